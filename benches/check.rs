@@ -10,6 +10,7 @@ use tweeze::check::imports::NoFiles;
 use tweeze::compile::{ProgramSource, check_program};
 use tweeze::diagnostic::render::{Characters, Colour, Look, human};
 use tweeze::diagnostic::{Code, Diagnostic, Sink};
+use tweeze::random::SplitMix64;
 use tweeze::source::{FileId, Sources, Span};
 
 const STEPS: u32 = 10_000;
@@ -54,11 +55,9 @@ fn main() {
 fn program() -> String {
     let mut text = "use std.dimibot\ndevice bot : dimibot.femto_st { left: 10, right: 10 }\n".to_owned();
     text.push_str("scene bench { for i in 0..200 { obstacle d[i] at (5*i, 3*i + 1) } }\ntask walk on bot in bench {\n  start at (2, 0)\n");
-    let mut seed = 1u32;
+    let mut random = SplitMix64::new(1);
     for _ in 0..STEPS {
-        // The constants of Numerical Recipes; the low bits are weak, so the high ones are taken.
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let (x, y) = (seed >> 22, seed >> 12 & 1023);
+        let (x, y) = (random.below(1024), random.below(1024));
         let x = if x % 5 == 0 { x + 1 } else { x };
         writeln!(text, "  move to ({x}, {y})").expect("a string takes all");
     }

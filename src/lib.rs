@@ -74,3 +74,7 @@ pub mod source;
 pub mod stdlib;
 pub mod syntax;
 pub mod verify;
+
+// The files of `tests/support` name the crate so, wherever they are used.
+#[cfg(test)]
+extern crate self as tweeze;

@@ -59,6 +59,10 @@ impl SplitMix64 {
 }
 
 #[cfg(test)]
+#[path = "../tests/support/random.rs"]
+pub(crate) mod support;
+
+#[cfg(test)]
 mod tests {
     use super::SplitMix64;
 

@@ -2,6 +2,8 @@
 
 #[path = "tidy/circles.rs"]
 mod circles;
+#[path = "tidy/generators.rs"]
+mod generators;
 #[path = "tidy/parameters.rs"]
 mod parameters;
 #[path = "tidy/rooms.rs"]

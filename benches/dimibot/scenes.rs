@@ -16,13 +16,13 @@ pub struct Scene {
 
 impl Scene {
     pub fn sparse(modules: u32, seed: u64) -> Self {
-        let mut random = Random(seed.wrapping_mul(1000) + u64::from(modules));
+        let mut random = Random::new(seed.wrapping_mul(1000) + u64::from(modules));
         let count = random.below(6);
         Scene::with(modules, count, seed, random)
     }
 
     pub fn dense(modules: u32, crowd: u32, seed: u64) -> Self {
-        let random = Random(seed.wrapping_mul(1000) + u64::from(modules * 100 + crowd));
+        let random = Random::new(seed.wrapping_mul(1000) + u64::from(modules * 100 + crowd));
         Scene::with(modules, crowd << modules, seed, random)
     }
 
@@ -47,7 +47,7 @@ impl Scene {
 
     /// Pairs of free cells.
     pub fn queries(&self, count: usize, seed: u64) -> Vec<(LatticeCell, LatticeCell)> {
-        let mut random = Random(seed ^ (self.seed << 20));
+        let mut random = Random::new(seed ^ (self.seed << 20));
         let side = 1 << self.modules;
         let mut free = || loop {
             let cell = LatticeCell::new(random.below(side), random.below(side));

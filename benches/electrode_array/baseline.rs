@@ -45,7 +45,7 @@ pub fn run(instance: &Instance, bounds: BoardCosts, until: Until, time: Duration
     let distances = instance.agents.iter().map(|agent| distances(instance, agent.goal())).collect();
     let horizon = bounds.makespan as u32 * 2 + 64;
     let baseline = Baseline { instance, distances, horizon, deadline: running() + time };
-    let mut chance = Random(1);
+    let mut chance = Random::new(1);
     let mut order: Vec<usize> = (0..instance.agents.len()).collect();
     let mut found: Option<Found> = None;
     let is_enough = |found: &Found| until == Until::First || BoardCosts::of(&found.best) == bounds;

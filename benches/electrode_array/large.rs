@@ -50,7 +50,7 @@ fn child(seed: u64) -> Vec<f64> {
 
 /// Prints time, ratios and peak memory at the first plan and in the end.
 pub fn measure(seed: u64) {
-    let instance = SHAPE.instance(&mut Random(seed)).expect("the board holds so many");
+    let instance = SHAPE.instance(&mut Random::new(seed)).expect("the board holds so many");
     let bounds = fast::bounds(&instance).expect("no part is walled in");
     let (ms, first) = sample::first(&instance).expect("a plan");
     let first_peak = peak_mb();

@@ -104,7 +104,7 @@ fn compare(shape: Shape, count: u64) {
 
 fn instances(shape: Shape, count: u64) -> Vec<Instance> {
     let seed = |k: u64| k * 1_000_003 + shape.agents as u64 * 1009 + u64::from(shape.separation);
-    (0..count).map(|k| shape.instance(&mut Random(seed(k))).expect("the board holds so many")).collect()
+    (0..count).map(|k| shape.instance(&mut Random::new(seed(k))).expect("the board holds so many")).collect()
 }
 
 fn droplets() {

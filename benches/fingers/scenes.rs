@@ -1,5 +1,9 @@
 //! Sections, their tables, and queries from fixed seeds.
 
+#[path = "../../tests/support/random.rs"]
+mod random;
+
+use random::Random;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use tweeze::claims::fingers::Section;
@@ -127,15 +131,15 @@ pub fn junction(tables: &Arc<Tables>, start: [u32; 3], steps: i32) -> GraspReque
 
 /// Queries between grasps that hold, with two and with three fingers, at random angles.
 pub fn random(tables: &Arc<Tables>, count: usize) -> Vec<GraspRequest> {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let mut grasp = || loop {
-        let mut list = [0, 1, 2].map(|_| 1 + random.below(tables.contacts as u64) as u32);
-        let free = random.below(6) as usize;
+        let mut list = [0, 1, 2].map(|_| 1 + random.below(tables.contacts as u32));
+        let free = random.index(6);
         if let Some(contact) = list.get_mut(free) {
             *contact = 0;
         }
         if holds(tables, list) {
-            return (list, random.below(ANGLES as u64) as i32);
+            return (list, random.below(ANGLES as u32) as i32);
         }
     };
     (0..count).map(|_| query(tables, grasp().0, grasp().1, grasp().0)).collect()
@@ -147,17 +151,5 @@ fn holds(tables: &Tables, list: [u32; 3]) -> bool {
         [i, j] => tables.layers[0].pair.has(tables.two(i, j)),
         [i, j, k] => tables.layers[0].triple.has(tables.three(i, j, k)),
         _ => false,
-    }
-}
-
-/// Numbers from a seed (SplitMix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (mixed ^ (mixed >> 31)) % end
     }
 }

@@ -5,6 +5,7 @@ use crate::rival;
 use std::time::Duration;
 use tweeze::check::microrobots::relays::{AllowedGaps, Analysis, RelayRow, Source, analyse};
 use tweeze::device::microrobots::ControlState;
+use tweeze::random::SplitMix64;
 
 const SOURCE: Source = Source { margin_v: 0.5, relax_v: 250.0, flex_v: 290.0, max_v: 600.0, most_levels: 64 };
 
@@ -73,19 +74,17 @@ fn even(robots: usize) -> Vec<RelayRow> {
 
 /// One of the voltages rises by two margins or more, the other by less or more; shuffled.
 fn random(robots: usize, seed: u64) -> Vec<RelayRow> {
-    let mut random = Random(seed);
+    let mut random = SplitMix64::new(seed);
     let (mut snap_down_v, mut release_v) = (300.0, 10.0);
     let mut table: Vec<RelayRow> = Vec::new();
     for _ in 0..robots {
         table.push(RelayRow { snap_down_v, release_v });
-        let (large_v, small_v) = (1.0 + random.share(), random.share());
-        let is_snap_down = random.share() < 0.5;
+        let (large_v, small_v) = (1.0 + random.unit(), random.unit());
+        let is_snap_down = random.unit() < 0.5;
         snap_down_v += if is_snap_down { large_v } else { small_v };
         release_v += if is_snap_down { small_v } else { large_v };
     }
-    for last in (1..robots).rev() {
-        table.swap(last, (random.share() * (last + 1) as f64) as usize);
-    }
+    random.shuffle(&mut table);
     table
 }
 
@@ -113,17 +112,4 @@ fn grid(snap_downs: usize, releases: usize) -> Vec<RelayRow> {
 fn nested(robots: usize) -> Vec<RelayRow> {
     let row = |at: usize| RelayRow { snap_down_v: 300.0 + at as f64 * 2.0, release_v: 240.0 - at as f64 * 2.0 };
     (0..robots).map(row).collect()
-}
-
-/// Numbers from a seed: xorshift.
-struct Random(u64);
-
-impl Random {
-    /// From 0 to 1, the latter excluded.
-    fn share(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
 }

@@ -172,7 +172,7 @@ const PUBLISHED: [&str; 4] = ["dijkstra", "bidirectional_dijkstra", "astar", "hy
 
 #[test]
 fn plans_and_limits_agree_with_brute_force() {
-    let mut random = Random(41);
+    let mut random = Random::new(41);
     let mut seen = Seen::default();
     for round in 0..cases(40) {
         let (scene, front) = drawn(&mut random, round, false);
@@ -197,7 +197,7 @@ fn plans_and_limits_agree_with_brute_force() {
 
 #[test]
 fn plans_with_several_modules_in_a_pulse_agree_with_brute_force() {
-    let mut random = Random(42);
+    let mut random = Random::new(42);
     let mut seen = Seen::default();
     for round in 0..cases(25) {
         let (scene, front) = drawn(&mut random, round, true);
@@ -222,7 +222,7 @@ fn plans_with_several_modules_in_a_pulse_agree_with_brute_force() {
 
 #[test]
 fn long_visits_agree_with_brute_force() {
-    let mut random = Random(43);
+    let mut random = Random::new(43);
     let (mut proven, mut open) = (0, 0);
     for round in 0..cases(8) {
         let places = if round % 8 == 7 { 13 } else { 5 + random.below(6) };

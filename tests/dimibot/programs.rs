@@ -148,7 +148,7 @@ fn may_fail(works: &[Work]) -> bool {
 
 #[test]
 fn programs_of_several_tasks_agree_with_brute_force() {
-    let mut random = Random(44);
+    let mut random = Random::new(44);
     let (mut planned, mut refused, mut proven) = (BTreeMap::new(), 0, 0);
     for round in 0..cases(25) {
         // Most programs have a plan for every task.

@@ -60,7 +60,7 @@ fn simple_bounds(instance: &Instance) -> Option<BoardCosts> {
 
 #[test]
 fn random_instances_end_in_legal_plans_or_proofs() {
-    let mut chance = Random(0x7465_7a65);
+    let mut chance = Random::new(0x7465_7a65);
     let (mut found, mut impossible, mut gave_up) = (0, 0, 0);
     for round in 0..60 {
         let side = || 14 + round * 46 / 59;
@@ -89,7 +89,7 @@ fn random_instances_end_in_legal_plans_or_proofs() {
 
 #[test]
 fn a_limit_on_the_steps_is_kept_and_a_smaller_one_is_refused() {
-    let mut chance = Random(77);
+    let mut chance = Random::new(77);
     let (mut kept, mut refused) = (0, 0);
     for _ in 0..25 {
         let shape = Shape { size: (16, 16), rim: 1, separation: 2, agents: 5, obstacles: 4 };
@@ -155,7 +155,7 @@ fn two_parts_cannot_swap_in_a_corridor_whatever_the_others_do() {
 #[test]
 fn few_parts_on_a_huge_empty_board_are_planned_within_a_small_budget() {
     let shape = Shape { size: (1000, 1000), rim: 1, separation: 4, agents: 50, obstacles: 0 };
-    let instance = shape.instance(&mut Random(5)).expect("fifty parts fit");
+    let instance = shape.instance(&mut Random::new(5)).expect("fifty parts fit");
     let answer = solve(&instance, BoardObjective::Makespan, None, SearchBudget::of(1_000_000));
     let (costs, bounds) = judged(&instance, &answer).expect("a plan");
     assert_eq!(costs.makespan, bounds.makespan);
@@ -164,7 +164,7 @@ fn few_parts_on_a_huge_empty_board_are_planned_within_a_small_budget() {
 #[test]
 fn thousands_of_parts_on_a_crowded_board_end_with_the_budget() {
     let shape = Shape { size: (150, 150), rim: 1, separation: 2, agents: 2000, obstacles: 0 };
-    let instance = shape.instance(&mut Random(9)).expect("two thousand parts fit");
+    let instance = shape.instance(&mut Random::new(9)).expect("two thousand parts fit");
     let answer = solve(&instance, BoardObjective::Makespan, None, SearchBudget::of(300_000));
     match &answer {
         BoardAnswer::Found(_) => assert!(judged(&instance, &answer).is_some()),
@@ -236,7 +236,7 @@ fn the_judge_sees_what_is_wrong() {
 fn crowded_boards_have_plans() {
     let board = BoardGrid::new(6, 6);
     let cells: Vec<(u32, u32)> = (0..9).map(|index| (index % 3 * 2, index / 3 * 2)).collect();
-    let mut chance = Random(31);
+    let mut chance = Random::new(31);
     for _ in 0..8 {
         let mut goals = cells.clone();
         for _ in 0..20 {
@@ -256,7 +256,7 @@ fn crowded_boards_have_plans() {
 #[test]
 fn crowds_arrive_near_their_bound() {
     let shape = Shape { size: (32, 32), rim: 0, separation: 4, agents: 22, obstacles: 0 };
-    let instance = shape.instance(&mut Random(3)).expect("there is room");
+    let instance = shape.instance(&mut Random::new(3)).expect("there is room");
     let bound = simple_bounds(&instance).expect("nothing is walled in").makespan;
     let least = u32::try_from(bound).expect("a short way");
     let mut meter = Meter::new(SearchBudget::of(1_500_000));

@@ -337,7 +337,7 @@ fn compare(case: &Case, truth: [Option<u64>; 3], by_sum: bool, limit: Option<(us
 #[test]
 fn goals_of_a_team_agree_with_brute_force() {
     let cases = cases(60);
-    let mut chance = Random(0x7465_616d);
+    let mut chance = Random::new(0x7465_616d);
     let (mut seen, mut single, mut done) = (Seen::default(), Seen::default(), 0);
     while done < cases {
         let Some(case) = Case::random(&mut chance) else { continue };

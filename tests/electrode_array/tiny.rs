@@ -101,7 +101,7 @@ fn compare(instance: &Instance) -> bool {
 
 /// Instances of a kind, so many that have a plan and so many that have none at least.
 fn agree(tiny: &[Tiny], rounds: u32, seed: u64, [with, without]: [usize; 2]) {
-    let mut chance = Random(seed);
+    let mut chance = Random::new(seed);
     let mut seen = [0, 0];
     for _ in 0..rounds {
         for ((width, height), separation, count, blocked, special) in tiny.iter().copied() {

@@ -108,7 +108,7 @@ fn is_clean(order: &ElectrodeArrayOrder, operations: &[AssayOperation], without:
 
 #[test]
 fn washes_are_added_where_they_are_needed_and_nowhere_else() {
-    let mut chance = Random(0x7761_7368);
+    let mut chance = Random::new(0x7761_7368);
     let (mut added, mut planned) = (0, 0);
     for _ in 0..60 {
         let text = program(&mut chance);

@@ -26,7 +26,7 @@ fn in_two_tasks(case: &Case) -> String {
 fn claims_of_a_later_task_hold_for_every_grasp_at_its_beginning() {
     let [mut compared, mut open, mut dearer] = [0; 3];
     for seed in 0..cases(90) {
-        let mut chance = Random(31_337 + 7919 * seed);
+        let mut chance = Random::new(31_337 + 7919 * seed);
         let kind = [Kind::Sticking, Kind::Pushing, Kind::Loaded][chance.below(3) as usize];
         let case = random_case(&mut chance, kind);
         let turn = |chance: &mut Random| {

@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn balances_are_those_of_another_solver() {
-        let mut chance = Random(77);
+        let mut chance = Random::new(77);
         let mut count = [0; 2];
         for _ in 0..2000 {
             let sticking_un = [0.0, 1.5][chance.below(2) as usize];

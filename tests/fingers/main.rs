@@ -194,7 +194,7 @@ fn random_program(chance: &mut Random) -> String {
 
 #[test]
 fn what_is_planned_for_random_parts_is_accepted_by_the_judge() {
-    let mut chance = Random(986);
+    let mut chance = Random::new(986);
     let mut planned = 0;
     for _ in 0..30 {
         let text = random_program(&mut chance);

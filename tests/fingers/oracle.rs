@@ -295,7 +295,7 @@ fn cases(kind: Kind, few: Range<u32>) -> Tally {
     let seeds = number("TWEEZE_ORACLE_CASES").map_or(few, |many| skipped..skipped + many);
     let mut tally = Tally::default();
     for seed in seeds {
-        let mut chance = Random(7_000 + 1_000_003 * kind as u64 + 7919 * u64::from(seed));
+        let mut chance = Random::new(7_000 + 1_000_003 * kind as u64 + 7919 * u64::from(seed));
         let case = random_case(&mut chance, kind);
         hold(&case, kind, &mut tally);
         if seed % 50 == 49 {

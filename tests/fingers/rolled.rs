@@ -258,7 +258,7 @@ fn random_case(chance: &mut Random) -> (String, BTreeMap<Plane, Outline>) {
 #[test]
 fn recorded_poses_are_where_the_tips_have_rolled_the_part() {
     let cases = cases(24_u32);
-    let mut chance = Random(1211);
+    let mut chance = Random::new(1211);
     let (mut planned, mut crossed, mut worst) = (0, 0, [0.0_f64; 2]);
     for case in 0..cases {
         let (text, outlines) = random_case(&mut chance);

@@ -75,7 +75,7 @@ fn answered(case: &Case) -> Option<(Built, Option<Planned>)> {
 fn mirror_images_cost_the_same_and_no_turn_in_two_parts_costs_less() {
     let (mut compared, mut without, mut beyond) = (0, 0, 0);
     for seed in 0..300 {
-        let mut chance = Random(4_242 + 7919 * seed);
+        let mut chance = Random::new(4_242 + 7919 * seed);
         let (case, turn) = turn_between_grasps(&mut chance);
         let Some((built, whole)) = answered(&case) else { continue };
         let text = case.text();

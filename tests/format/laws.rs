@@ -95,7 +95,7 @@ fn examples_and_published_devices_are_canonical() {
 
 #[test]
 fn generated_programs_keep_their_tree() {
-    let mut random = Random(17);
+    let mut random = Random::new(17);
     for _ in 0..cases() {
         hold(&generate::program(&mut random));
     }
@@ -104,7 +104,7 @@ fn generated_programs_keep_their_tree() {
 /// Whatever is changed in blanks, commas and empty lines, the canonical text is the same.
 #[test]
 fn there_is_one_canonical_form() {
-    let mut random = Random(18);
+    let mut random = Random::new(18);
     let sound = |text: &String| canonical(text).1.is_empty();
     let texts: Vec<String> = seeds::all().into_iter().filter(sound).collect();
     let mut changed = 0;
@@ -123,7 +123,7 @@ fn there_is_one_canonical_form() {
 
 #[test]
 fn broken_texts_keep_their_errors() {
-    let mut random = Random(19);
+    let mut random = Random::new(19);
     let texts = seeds::all();
     let (mut broken, mut mended) = (0, 0);
     for _ in 0..4 * cases() {

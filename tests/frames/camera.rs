@@ -213,7 +213,7 @@ fn written_twice(random: &mut Random) -> [String; 2] {
 fn programs_in_pixels_and_in_lengths_are_one() {
     let (mut planned, mut refused) = (0, 0);
     for case in 0..cases(40) {
-        let [lengths, pixels] = written_twice(&mut Random(0x0CA3_0000 + case));
+        let [lengths, pixels] = written_twice(&mut Random::new(0x0CA3_0000 + case));
         let (one, other) = (build(&lengths), build(&pixels));
         let codes =
             |built: &Built| built.codes.iter().filter(|code| code.starts_with('E')).copied().collect::<Vec<_>>();
@@ -252,7 +252,7 @@ fn microrobots_stand_and_drive_by_their_image_too() {
     };
     let poses = [[0.0, 0.0, 90.0], [3000.0, 200.0, 0.0], [1500.0, 2800.0, 180.0], [600.0, 2000.0, 30.0]];
     let lengths = poses.map(|[x, y, heading]| format!("pose({x} um, {y} um, {heading} deg)"));
-    let mut random = Random(0x0CA4);
+    let mut random = Random::new(0x0CA4);
     for _ in 0..4 {
         let shown = Shown::random(&mut random);
         let seen = poses.map(|[x, y, heading]| {

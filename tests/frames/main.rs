@@ -180,7 +180,7 @@ fn moved(claims: &Claims, x_um: f64, y_um: f64, turn_rad: f64) -> Claims {
 fn accepted_programs_never_touch_and_touching_ones_are_refused() {
     let (mut accepted, mut waited, mut apart, mut broken, mut near) = (0, 0, 0, 0, 0);
     for case in 0..cases(60) {
-        let mut random = Random(0xF4A3_0000 + case);
+        let mut random = Random::new(0xF4A3_0000 + case);
         let text = random_program(&mut random);
         let built = build(&text);
         assert!(!built.refused, "the planner's own schedule is refused: {:?}\n{text}", built.codes);
@@ -249,7 +249,7 @@ fn told_twice(random: &mut Random) -> [String; 2] {
 fn work_costs_the_same_wherever_the_robot_stands() {
     let (mut planned, mut refused) = (0, 0);
     for case in 0..cases(40) {
-        let [own, placed] = told_twice(&mut Random(0x0001_F4A3 + case)).map(|text| (build(&text), text));
+        let [own, placed] = told_twice(&mut Random::new(0x0001_F4A3 + case)).map(|text| (build(&text), text));
         let codes = |built: &Built| built.codes.iter().filter(|code| **code != "W0201").copied().collect::<Vec<_>>();
         assert_eq!(codes(&own.0), codes(&placed.0), "{}\n{}", own.1, placed.1);
         let (Some(own), Some(there)) = (own.0.schedules.first(), placed.0.schedules.first()) else {

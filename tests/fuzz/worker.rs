@@ -105,7 +105,8 @@ pub fn sweep_cases() -> usize {
 }
 
 fn random(run: &Run, case: u64) -> Random {
-    let mut random = Random(run.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ case.wrapping_mul(0xD134_2543_DE82_EF95));
+    let mut random =
+        Random::new(run.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ case.wrapping_mul(0xD134_2543_DE82_EF95));
     random.next();
     random
 }

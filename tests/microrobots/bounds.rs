@@ -235,7 +235,7 @@ fn holds(small: &Small, tasks: &[Task], strokes: usize) -> bool {
 }
 
 fn compared(seed: u64, usual: usize, mut one: impl FnMut(&mut Random) -> bool) {
-    let mut chance = Random(seed);
+    let mut chance = Random::new(seed);
     let (mut found, wanted) = (0, cases(usual));
     for _ in 0..20 * wanted {
         found += usize::from(one(&mut chance));

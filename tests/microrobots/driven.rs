@@ -211,7 +211,7 @@ fn a_run_straight_ahead_begins_without_a_circle() {
 #[test]
 fn no_drive_goes_through_a_stone() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut chance = Random(5);
+    let mut chance = Random::new(5);
     let mut finished = 0;
     for _ in 0..CASES {
         let stones: String = (0..1 + chance.below(4))
@@ -245,7 +245,7 @@ fn no_drive_goes_through_a_stone() {
 #[test]
 fn no_drive_goes_through_another_robot() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut chance = Random(8);
+    let mut chance = Random::new(8);
     let (mut finished, mut blocked) = (0, 0);
     for _ in 0..CASES {
         let mut placed = |name, middle_um: f64| {

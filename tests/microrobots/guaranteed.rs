@@ -282,7 +282,7 @@ fn no_adversary_defeats_a_plan_within_the_errors_that_it_bears() {
     let (mut loosest, mut tightest) = (0.0_f64, f64::INFINITY);
     let all = cases(4);
     for seed in 0..all {
-        let bench = Bench::of(&steps(&mut Random(77 + seed)));
+        let bench = Bench::of(&steps(&mut Random::new(77 + seed)));
         let Some(motion) = bench.planned() else { continue };
         let mut order = bench.order().clone();
         let errors = order.facts.errors.expect("they are stated");

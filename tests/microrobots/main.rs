@@ -66,7 +66,7 @@ fn between_rad(one: f64, other: f64) -> f64 {
 
 #[test]
 fn a_thousand_random_drives_reach_their_poses() {
-    let mut chance = Random(20_080);
+    let mut chance = Random::new(20_080);
     let mut text = format!("{FLEET}scene empty {{ robot D3 at pose(0 mm, 0 mm, 0 deg) }}\n");
     let mut goals = Vec::new();
     for task in 0..1000 {

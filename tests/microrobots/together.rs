@@ -83,7 +83,7 @@ fn robots_that_face_each_other_run_until_they_meet() {
 /// Plans of one or two legs, with no full circle in them, are found, or better ones; and no bound is above them.
 #[test]
 fn no_plan_of_a_few_legs_is_missed() {
-    let mut chance = Random(21);
+    let mut chance = Random::new(21);
     for _ in 0..16 {
         let count = 1 + chance.below(2) as usize;
         let mut legs: Vec<(usize, f64)> = Vec::new();

@@ -103,7 +103,7 @@ impl Seen {
 
 #[test]
 fn costs_agree_with_brute_force_in_a_thousand_scenes() {
-    let mut random = Random(20160210);
+    let mut random = Random::new(20160210);
     let mut seen = Seen::default();
     for round in 0..1000 {
         let (scene, graph) = told_apart(&mut random, if round % 4 == 0 { 5 } else { 4 });
@@ -119,7 +119,7 @@ fn costs_agree_with_brute_force_in_a_thousand_scenes() {
 
 #[test]
 fn the_order_of_a_visit_is_the_best() {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let mut seen = Seen::default();
     for _ in 0..150 {
         let (mut scene, graph) = told_apart(&mut random, 4);
@@ -133,7 +133,7 @@ fn the_order_of_a_visit_is_the_best() {
 
 #[test]
 fn modules_switched_together_take_the_fewest_pulses() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let (mut together, mut alone, mut shut) = (0, 0, 0);
     while together + alone + shut < 300 {
         let (scene, graph) = told_apart(&mut random, 3);
@@ -159,7 +159,7 @@ fn modules_switched_together_take_the_fewest_pulses() {
 
 #[test]
 fn the_same_program_gives_the_same_bytes() {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let mut compared = 0;
     while compared < 25 {
         let (scene, _) = told_apart(&mut random, 4);

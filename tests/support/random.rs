@@ -1,9 +1,11 @@
-//! The random numbers of tests and benchmarks: splitmix64, so that a seed gives the same numbers on each machine.
+//! The random numbers of tests and benchmarks, for the crate's own tests too.
 
 #![allow(dead_code, reason = "each test uses the part that it needs")]
 
-/// A source of numbers that its seed determines.
-pub struct Random(pub u64);
+use tweeze::random::SplitMix64;
+
+/// A stream of numbers whose draws are remainders, on which counts in tests depend.
+pub struct Random(SplitMix64);
 
 /// How many random cases a test looks at; `TWEEZE_ORACLE_CASES` says another number.
 pub fn cases<T: std::str::FromStr>(usual: T) -> T {
@@ -11,12 +13,14 @@ pub fn cases<T: std::str::FromStr>(usual: T) -> T {
 }
 
 impl Random {
+    /// The stream of a seed.
+    pub fn new(seed: u64) -> Random {
+        Random(SplitMix64::new(seed))
+    }
+
     /// The next number.
     pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let a = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let b = (a ^ (a >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        b ^ (b >> 31)
+        self.0.next_u64()
     }
 
     /// A number below `n`.
@@ -24,9 +28,29 @@ impl Random {
         (self.next() % u64::from(n)) as u32
     }
 
-    /// A number from 0 to 1.
+    /// The index of one of `count` items.
+    pub fn index(&mut self, count: usize) -> usize {
+        (self.next() % count as u64) as usize
+    }
+
+    /// One of the items.
+    pub fn pick<T: Copy>(&mut self, items: &[T]) -> T {
+        items[self.index(items.len())]
+    }
+
+    /// True with a probability in percent.
+    pub fn chance(&mut self, percent: u32) -> bool {
+        self.below(100) < percent
+    }
+
+    /// A number from 0 to 1, the latter left out.
     pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.unit()
+    }
+
+    /// A number from `low` to `high`, the latter left out.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + self.unit() * (high - low)
     }
 
     /// A number of thousandths in `from..to`, so that its text is exact.

@@ -1,22 +1,15 @@
 //! The index of covered cells against asking every obstacle, and how fast large programs are checked.
 
 use super::*;
+use crate::random::SplitMix64;
 
 fn facts() -> dimibot::DimibotFacts {
     dimibot::DimibotFacts { tip_radius_um: 0.1, ..dimibot::tests::femto_st(7, 6) }
 }
 
-/// Numbers that look random, below 1.
-fn numbers() -> impl FnMut() -> f64 {
-    let mut state = 12_345u64;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f64 / (1u64 << 24) as f64
-    }
-}
-
 fn bodies() -> Vec<DimibotObstacleBody> {
-    let mut next = numbers();
+    let mut stream = SplitMix64::new(12_345);
+    let mut next = || stream.unit();
     let mut bodies = Vec::new();
     for index in 0..60u32 {
         let pose = Pose { x_um: next() * 14.0, y_um: next() * 14.0, heading_rad: next() * 6.0 };

@@ -12,6 +12,7 @@ use crate::claims::electrode_array::{
 use crate::device::electrode_array::fixture::microparts;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::diagnostic::Sink;
+use crate::random::SplitMix64;
 use crate::source::{Sources, Span};
 
 fn checked(text: &str) -> (Option<Checked>, Vec<String>) {
@@ -436,13 +437,10 @@ fn board(columns: u32, rows: u32) -> ElectrodeArrayFacts {
     ElectrodeArrayFacts { step_ns: 3_000_000, ..microparts(columns, rows) }
 }
 
-/// Numbers that look random, below `most`.
+/// Numbers below the one asked with.
 fn numbers() -> impl FnMut(u32) -> u32 {
-    let mut state = 12_345u64;
-    move |most| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 33) % u64::from(most)) as u32
-    }
+    let mut stream = SplitMix64::new(12_345);
+    move |most| stream.below(most as usize) as u32
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::geometry::outline::{Curve, Outline};
+use crate::random::SplitMix64;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
@@ -321,23 +322,19 @@ fn text_is_read_as_others_write_it() {
 
 #[test]
 fn damaged_bytes_never_panic() {
-    let mut state = 99_u64;
-    let mut dice = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize
-    };
+    let mut dice = SplitMix64::new(99);
     let binary = binary(&icosphere(1), b"");
     let text = Mesh::read(&binary).unwrap().to_text().into_bytes();
     let mut reported = BTreeMap::new();
     for _ in 0..3000 {
         for whole in [&binary, &text] {
             let mut bytes = whole.clone();
-            for _ in 0..1 + dice() % 4 {
-                let at = dice() % bytes.len();
-                bytes[at] = dice() as u8;
+            for _ in 0..1 + dice.below(4) {
+                let at = dice.below(bytes.len());
+                bytes[at] = dice.next_u64() as u8;
             }
-            if dice() % 4 == 0 {
-                bytes.truncate(dice() % (bytes.len() + 1));
+            if dice.below(4) == 0 {
+                bytes.truncate(dice.below(bytes.len() + 1));
             }
             let result = Mesh::read(&bytes).and_then(|mesh| mesh.section(XY).and(mesh.section(XZ)));
             let name = result.map_or_else(
@@ -346,7 +343,7 @@ fn damaged_bytes_never_panic() {
             );
             *reported.entry(name).or_insert(0) += 1;
         }
-        let noise: Vec<u8> = (0..dice() % 300).map(|_| dice() as u8).collect();
+        let noise: Vec<u8> = (0..dice.below(300)).map(|_| dice.next_u64() as u8).collect();
         drop(Mesh::read(&noise));
     }
     // The damage was of many kinds.

@@ -1,5 +1,6 @@
 use super::*;
 use crate::geometry::{Pose, Shape};
+use crate::random::SplitMix64;
 
 fn merged(body: &Rounded, axis: PlaneAxis, at_um: f64) -> Vec<[f64; 2]> {
     let mut found = Vec::new();
@@ -70,11 +71,8 @@ fn a_slanted_capsule_is_cut_across() {
 /// Points of a line belong to the section exactly when a rectangle shrunk to the point touches the body: two independent paths.
 #[test]
 fn sections_and_rectangles_agree_on_points() {
-    let mut seed = 7_u64;
-    let mut random = move || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut stream = SplitMix64::new(7);
+    let mut random = move || stream.unit();
     let star: Vec<[f64; 2]> = (0..7)
         .map(|k| (f64::from(k) * 0.8976, if k % 2 == 0 { 3.0 } else { 1.2 }))
         .map(|(angle, r)| [r * angle.cos(), r * angle.sin()])

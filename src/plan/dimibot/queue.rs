@@ -64,19 +64,17 @@ impl<T> RadixQueue<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::SplitMix64;
 
     #[test]
     fn keys_leave_in_order() {
         let mut queue = RadixQueue::default();
-        let mut seed = 1_u64;
-        let mut random = move || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            seed >> 50
-        };
+        let mut random = SplitMix64::new(1);
+        let mut key = move || random.next_u64() >> 50;
         let mut inside = std::collections::BinaryHeap::new();
         for _ in 0..5000 {
-            if random() % 3 > 0 {
-                let key = queue.last() + random();
+            if key() % 3 > 0 {
+                let key = queue.last() + key();
                 queue.push(key, key);
                 inside.push(std::cmp::Reverse(key));
             } else {

@@ -42,7 +42,7 @@ fn panel(chance: &mut Random) -> String {
 #[test]
 fn assays_of_many_droplets_are_planned() {
     let cases = cases(3);
-    let mut chance = Random(1_507);
+    let mut chance = Random::new(1_507);
     for _ in 0..cases {
         let text = panel(&mut chance);
         // Each plan has passed the verifier.
@@ -78,7 +78,7 @@ fn pools(chance: &mut Random) -> String {
 /// Lists in the usual orders plan about half of them.
 #[test]
 fn most_crowds_that_are_pooled_are_planned() {
-    let mut chance = Random(77);
+    let mut chance = Random::new(77);
     let all: Vec<String> = (0..12).map(|_| pools(&mut chance)).collect();
     let planned = all.iter().filter(|text| matches!(answered(text), Answered::Plan(_))).count();
     assert!(planned >= 10, "{planned} of {}", all.len());

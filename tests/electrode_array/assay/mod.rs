@@ -479,7 +479,7 @@ fn moved_last(stands: &[Stand]) -> u64 {
 
 #[test]
 fn no_plan_of_an_assay_beats_its_bound() {
-    let [planned, split, mixed, clean] = agree(Random(5), 20, |_, assay| assay);
+    let [planned, split, mixed, clean] = agree(Random::new(5), 20, |_, assay| assay);
     assert!(20 * split > planned && 20 * mixed > planned, "{split} with splits, {mixed} with mixing");
     assert!(20 * clean > planned, "{clean} with `avoid`");
 }
@@ -487,26 +487,26 @@ fn no_plan_of_an_assay_beats_its_bound() {
 /// As above, with operations that begin soon after others.
 #[test]
 fn assays_in_a_hurry_agree_with_brute_force() {
-    agree(Random(11), 10, |chance, assay| assay.hurried(chance));
+    agree(Random::new(11), 10, |chance, assay| assay.hurried(chance));
 }
 
 /// As above, on boards on which channels switch several electrodes.
 #[test]
 fn assays_on_shared_channels_agree_with_brute_force() {
-    agree(Random(17), 30, |chance, assay| assay.pinned(chance));
+    agree(Random::new(17), 30, |chance, assay| assay.pinned(chance));
 }
 
 /// As above, on boards on which parts leave where others are dispensed.
 #[test]
 fn assays_that_leave_at_outlets_agree_with_brute_force() {
-    let [planned, .., clean] = agree(Random(41), 12, |chance, assay| assay.at_outlets(chance));
+    let [planned, .., clean] = agree(Random::new(41), 12, |chance, assay| assay.at_outlets(chance));
     assert!(2 * clean > planned, "{clean} with `avoid`");
 }
 
 /// As above, with places that the plan chooses: the truth is the best of all that it can choose.
 #[test]
 fn assays_at_places_of_choice_agree_with_brute_force() {
-    agree(Random(29), 5, |chance, assay| assay.opened(chance));
+    agree(Random::new(29), 5, |chance, assay| assay.opened(chance));
 }
 
 /// `usual` assays, or as many as are asked for: the plans found, and those of them with splits, with mixing, and with traces that are avoided.

@@ -547,7 +547,7 @@ fn compare(task: &Task, all: &BTreeSet<Figures>, seen: &mut Seen) {
 #[test]
 fn tasks_agree_with_all_their_plans() {
     let cases = cases(30);
-    let mut chance = Random(0x7461_736b);
+    let mut chance = Random::new(0x7461_736b);
     let (mut seen, mut done) = (Seen::default(), 0);
     let (mut kinds, mut yields, mut merges) = ([0; 5], 0, 0);
     while done < 2 * cases {

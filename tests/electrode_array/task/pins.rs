@@ -22,7 +22,7 @@ impl Task {
 #[test]
 fn tasks_on_shared_channels_agree_with_all_their_plans() {
     let cases = cases(40);
-    let mut chance = Random(0x7069_6e73);
+    let mut chance = Random::new(0x7069_6e73);
     let (mut seen, mut done, mut waits, mut merges) = (Seen::default(), 0, 0, 0);
     while done < 2 * cases {
         let Some(task) = Task::random(&mut chance) else { continue };

@@ -48,9 +48,9 @@ fn a_coarse_polygon_becomes_round() {
 
 #[test]
 fn a_million_points_with_noise_are_smoothed() {
-    let mut dice = Dice(3);
+    let mut dice = SplitMix64::new(3);
     let mut points = ellipse(MAX_POLYGON);
-    points.iter_mut().flatten().for_each(|number| *number += 0.02 * dice.next());
+    points.iter_mut().flatten().for_each(|number| *number += 0.02 * dice.signed_unit());
     let close = smoothed(&points);
     let exact = curve(&Outline::Ellipse { semi_um: PAPER_UM });
     assert!(off(&close, &exact) < 0.02, "{}", off(&close, &exact));
@@ -121,9 +121,9 @@ fn what_is_no_polygon_is_refused() {
     let flat: Vec<[f64; 2]> = (0..50).map(|step| [f64::from(step), 0.0]).collect();
     assert_eq!(Outline::from_polygon(&flat), Err(OutlineError::NoArea));
     // Chaotic input terminates too.
-    let mut dice = Dice(31);
+    let mut dice = SplitMix64::new(31);
     for count in [5, 50, 5000] {
-        let chaos: Vec<[f64; 2]> = (0..count).map(|_| [dice.next(), dice.next()]).collect();
+        let chaos: Vec<[f64; 2]> = (0..count).map(|_| [dice.signed_unit(), dice.signed_unit()]).collect();
         if let Ok(outline) = Outline::from_polygon(&chaos) {
             drop(Curve::of(&outline));
         }

@@ -3,6 +3,7 @@
 mod lists;
 
 use super::*;
+use crate::random::SplitMix64;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 const TIP_UM: f64 = 4.5;
@@ -51,16 +52,6 @@ fn all() -> Vec<Outline> {
     let superellipse = |exponent| Outline::Superellipse { semi_um: [18.0, 11.0], exponent };
     all.extend([2.0, 2.01, 2.5, 3.0, 4.0, 7.5, 10.0].map(superellipse));
     all
-}
-
-/// Numbers that look random, from -1 to 1.
-pub(super) struct Dice(pub u64);
-
-impl Dice {
-    pub(super) fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
 }
 
 #[test]
@@ -158,7 +149,7 @@ fn the_normal_turns_just_once() {
 
 #[test]
 fn rolling_and_its_inverse_agree() {
-    let mut dice = Dice(5);
+    let mut dice = SplitMix64::new(5);
     for outline in all() {
         let curve = curve(&outline);
         // A tip that reaches everywhere, and one that hardly does.
@@ -166,7 +157,7 @@ fn rolling_and_its_inverse_agree() {
         let tips = if least < -1e-6 { vec![-0.5 / least, -0.99 / least] } else { vec![TIP_UM, 1000.0] };
         for tip in tips {
             for _ in 0..300 {
-                let way = dice.next() * 3.0 * curve.perimeter_um();
+                let way = dice.signed_unit() * 3.0 * curve.perimeter_um();
                 let back = curve.way_rolled_um(curve.rolled_rad(way, tip), tip);
                 assert!((way - back).abs() < 1e-6, "{outline:?} {tip}: {way} {back}");
             }
@@ -236,11 +227,11 @@ fn brute(curve: &Curve, point: [f64; 2]) -> f64 {
 
 #[test]
 fn the_nearest_place_is_that_of_brute_force() {
-    let mut dice = Dice(11);
+    let mut dice = SplitMix64::new(11);
     for outline in all() {
         let curve = curve(&outline);
         for _ in 0..60 {
-            let point = [dice.next() * 45.0, dice.next() * 45.0];
+            let point = [dice.signed_unit() * 45.0, dice.signed_unit() * 45.0];
             let (found, wanted) = (curve.nearest(point), brute(&curve, point));
             assert!((found.distance_um.abs() - wanted).abs() < 1e-5, "{outline:?} {point:?} {found:?} {wanted}");
             assert!(found.distance_um.abs() < wanted + 1e-9, "{outline:?} {point:?} {found:?} {wanted}");
@@ -252,13 +243,13 @@ fn the_nearest_place_is_that_of_brute_force() {
 
 #[test]
 fn the_nearest_place_of_a_tip_is_its_contact() {
-    let mut dice = Dice(17);
+    let mut dice = SplitMix64::new(17);
     for outline in all() {
         let curve = curve(&outline);
         let least = curve.least_curvature_per_um();
         let tip = if least < -1e-6 { (-0.6 / least).min(2.0) } else { TIP_UM };
         for _ in 0..200 {
-            let way = (dice.next() + 1.0) / 2.0 * curve.perimeter_um();
+            let way = (dice.signed_unit() + 1.0) / 2.0 * curve.perimeter_um();
             let spot = curve.spot(way);
             for side in [1.0, -1e-3] {
                 let (s, c) = spot.normal_rad.sin_cos();
@@ -391,11 +382,12 @@ fn a_crossing_is_found() {
 
 #[test]
 fn whatever_the_numbers_it_comes_to_an_end() {
-    let mut dice = Dice(23);
+    let mut dice = SplitMix64::new(23);
     for round in 0..140 {
         let scale = 10_f64.powi(round % 14 - 7);
         let count = 4 + (round % 60) as usize;
-        let points: Vec<[f64; 2]> = (0..count).map(|_| [scale * dice.next(), scale * dice.next()]).collect();
+        let points: Vec<[f64; 2]> =
+            (0..count).map(|_| [scale * dice.signed_unit(), scale * dice.signed_unit()]).collect();
         drop(Curve::of(&spline(&points)));
         let rings: Vec<[f64; 2]> = super::tests::round(count, |angle| {
             let r = scale * (1.0 + 0.2 * dice_of(angle, round));
@@ -410,7 +402,8 @@ fn whatever_the_numbers_it_comes_to_an_end() {
             exponent: 2.0 + f64::from(round % 9),
         }));
     }
-    let many: Vec<[f64; 2]> = (0..MAX_POINTS).map(|_| [100.0 * dice.next(), 100.0 * dice.next()]).collect();
+    let many: Vec<[f64; 2]> =
+        (0..MAX_POINTS).map(|_| [100.0 * dice.signed_unit(), 100.0 * dice.signed_unit()]).collect();
     assert!(matches!(
         Curve::of(&spline(&many)).map(|_| ()),
         Err(OutlineError::Crossing { .. } | OutlineError::Rough { .. })
@@ -418,5 +411,5 @@ fn whatever_the_numbers_it_comes_to_an_end() {
 }
 
 fn dice_of(angle: f64, seed: i32) -> f64 {
-    Dice((angle * 1000.0) as u64 + seed as u64).next()
+    SplitMix64::new((angle * 1000.0) as u64 + seed as u64).signed_unit()
 }

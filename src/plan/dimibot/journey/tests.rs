@@ -27,7 +27,7 @@ fn last_stage_alone(field: &LatticeField, ends: [LatticeCell; 2], weights: &Swit
 
 #[test]
 fn the_last_stage_agrees_with_the_first_ones() {
-    let mut random = Random(31);
+    let mut random = Random::new(31);
     let lattice = Lattice::new([12, 11], [1.0, 2.0]).unwrap();
     let (mut detours, mut shut) = (0, 0);
     for crowd in [4, 8, 12, 12, 24] {

@@ -22,7 +22,7 @@ fn check_train(oracle: &Oracle<'_>, start: LatticeCell, goal: LatticeCell, train
 
 #[test]
 fn pulses_agree_with_brute_force() {
-    let mut random = Random(21);
+    let mut random = Random::new(21);
     let mut by_count = [0; 6];
     for round in 0..1200 {
         let (lattice, obstacles) = scene(&mut random, 3 + u32::from(round % 40 == 0), 3);
@@ -46,7 +46,7 @@ fn pulses_agree_with_brute_force() {
 /// The search by length is exact too; a lattice twice as fine with the same shapes and even cells cannot need more pulses than the coarse one.
 #[test]
 fn the_search_by_length_is_honest() {
-    let mut random = Random(22);
+    let mut random = Random::new(22);
     let (mut proven, mut all) = (0, 0);
     for _ in 0..300 {
         let (lattice, obstacles) = scene(&mut random, 3, 3);
@@ -86,7 +86,7 @@ fn pulses_beyond_a_limit_are_not_searched_on() {
 
 #[test]
 fn many_places_get_a_tour_within_its_bound() {
-    let mut random = Random(24);
+    let mut random = Random::new(24);
     let lattice = Lattice::new([8, 8], [1.0, 1.0]).unwrap();
     for count in [13, 20, 60] {
         let obstacles: Vec<FieldObstacle> = (0..200)

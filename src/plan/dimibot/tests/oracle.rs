@@ -1,11 +1,8 @@
 //! Brute force: which segments and rectangles are free, from distances between segments; Dijkstra over all cells with a linear scan.
 
-#[path = "../../../../tests/support/random.rs"]
-mod random;
-
 use crate::geometry::Shape;
 use crate::plan::dimibot::*;
-pub use random::Random;
+pub use crate::random::support::Random;
 
 type P = [f64; 2];
 

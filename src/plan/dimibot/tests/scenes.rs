@@ -75,7 +75,7 @@ fn check_path(
 
 #[test]
 fn costs_agree_with_brute_force_in_random_scenes() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let (mut found, mut detours, mut closed) = (0, 0, 0);
     for round in 0..1500 {
         let (lattice, obstacles) = scene(&mut random, if round % 25 == 0 { 5 } else { 4 }, 2);
@@ -101,7 +101,7 @@ fn costs_agree_with_brute_force_in_random_scenes() {
 
 #[test]
 fn a_larger_lattice_agrees_with_dijkstra_and_hashing_changes_nothing() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     for modules in [[7, 7], [6, 8], [11, 10], [14, 8]] {
         let lattice = Lattice::new(modules, [1.0, 1.0]).unwrap();
         for round in 0..3 {
@@ -129,7 +129,7 @@ fn a_larger_lattice_agrees_with_dijkstra_and_hashing_changes_nothing() {
 #[test]
 fn a_small_budget_gives_an_honest_bound() {
     let lattice = Lattice::new([8, 8], [1.0, 1.0]).unwrap();
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     let mut gave_up = 0;
     for _ in 0..200 {
         let obstacles: Vec<FieldObstacle> = (0..12 << 8)
@@ -156,7 +156,7 @@ fn a_small_budget_gives_an_honest_bound() {
 
 #[test]
 fn the_blame_opens_a_path_and_nothing_smaller_does() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let (mut by_size, mut smallest) = ([0; 4], 0);
     for _ in 0..1500 {
         let (lattice, obstacles) = scene(&mut random, 3, 8);

@@ -60,6 +60,7 @@ fn leg(board: &BoardGrid, from: CellIndex, to: CellIndex) -> Option<Vec<CellInde
 mod tests {
     use super::*;
     use crate::plan::electrode_array::board::Agent;
+    use crate::random::SplitMix64;
     use std::collections::VecDeque;
 
     /// Path length by a plain breadth-first search.
@@ -80,11 +81,8 @@ mod tests {
 
     #[test]
     fn ways_are_as_short_as_those_of_a_plain_search() {
-        let mut seed = 1u64;
-        let mut draw = |below: u32| {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 33) as u32 % below
-        };
+        let mut random = SplitMix64::new(1);
+        let mut draw = |count: u32| random.below(count as usize) as u32;
         let mut closed = 0;
         for _ in 0..400 {
             let (width, height) = (1 + draw(14), 1 + draw(14));

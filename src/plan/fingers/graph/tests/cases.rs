@@ -1,7 +1,7 @@
 //! Single cases: proofs, limits, ties, long turns, and the paper's path leg by leg.
 
 use super::oracle::{dijkstra, judge};
-use super::random::{Random, case, circle};
+use super::random::{case, circle};
 use crate::plan::fingers::graph::layout::{GraspChain, MAX_ANGLES, NodeSpot, Sets};
 use crate::plan::fingers::graph::strands::{AngleMask, below, has, single, spread};
 use crate::plan::fingers::graph::{
@@ -10,6 +10,7 @@ use crate::plan::fingers::graph::{
 };
 use crate::plan::fingers::tables::Tables;
 use crate::plan::search::SearchBudget;
+use crate::random::support::Random;
 use std::sync::Arc;
 
 const BOTH: [Estimator; 2] = [Estimator::Published, Estimator::Layers];
@@ -147,12 +148,12 @@ fn greedy_ways_are_ways() {
 
 fn spreads_like_steps<const N: usize>(random: &mut Random) {
     for _ in 0..300 {
-        let angles = 1 + random.below(64 * N);
+        let angles = 1 + random.index(64 * N);
         let word = |random: &mut Random| {
             if random.chance(30) { random.next() & random.next() } else { random.next() | random.next() }
         };
         let rolls: AngleMask<N> = below(std::array::from_fn(|_| word(random)), angles - 1);
-        let mut seeds: AngleMask<N> = single(random.below(angles));
+        let mut seeds: AngleMask<N> = single(random.index(angles));
         if random.chance(50) {
             seeds[0] |= below::<N>([random.next() & random.next(); N], angles)[0];
         }
@@ -176,7 +177,7 @@ fn spreads_like_steps<const N: usize>(random: &mut Random) {
 
 #[test]
 fn masks_spread_like_single_steps() {
-    let random = &mut Random(11);
+    let random = &mut Random::new(11);
     spreads_like_steps::<1>(random);
     spreads_like_steps::<2>(random);
     spreads_like_steps::<8>(random);
@@ -185,15 +186,15 @@ fn masks_spread_like_single_steps() {
 
 #[test]
 fn names_of_nodes_come_back() {
-    let random = &mut Random(5);
+    let random = &mut Random::new(5);
     for fingers in 3..=6 {
         let sets = Sets::of(fingers);
         for _ in 0..200 {
-            let contacts = 2 + random.below(510);
-            let number = random.below(sets.chains(contacts) as usize);
+            let contacts = 2 + random.index(510);
+            let number = random.index(sets.chains(contacts) as usize);
             let chain: GraspChain = sets.chain(contacts, number);
             assert_eq!(sets.index(contacts, chain), number);
-            let spot = NodeSpot { leg: random.below(1 << 16), angle: random.below(MAX_ANGLES), chain };
+            let spot = NodeSpot { leg: random.index(1 << 16), angle: random.index(MAX_ANGLES), chain };
             assert_eq!(NodeSpot::unpack(spot.pack()), spot);
         }
     }

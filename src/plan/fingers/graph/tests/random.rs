@@ -12,33 +12,9 @@ use crate::plan::fingers::graph::{
 use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
 use crate::plan::search::SearchBudget;
+use crate::random::support::Random;
 use std::rc::Rc;
 use std::sync::Arc;
-
-/// Numbers from a seed (SplitMix64).
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    pub fn below(&mut self, end: usize) -> usize {
-        (self.next() % end as u64) as usize
-    }
-
-    /// True with a probability in percent.
-    pub fn chance(&mut self, percent: usize) -> bool {
-        self.below(100) < percent
-    }
-
-    fn pick<T: Copy>(&mut self, list: &[T]) -> T {
-        list[self.below(list.len())]
-    }
-}
 
 /// A layer from predicates on sets of contacts; the last contact of `place` and `leave` is separate.
 pub fn layer(
@@ -93,7 +69,7 @@ fn noise(random: &mut Random, contacts: usize, layers: usize) -> Tables {
     let apart = |i: usize, j: usize| i.abs_diff(j).min(contacts - i.abs_diff(j)) >= gap;
     let seed = random.next();
     let layers = (0..layers as u64).map(|at| {
-        let cell = std::cell::RefCell::new(Random(seed ^ at));
+        let cell = std::cell::RefCell::new(Random::new(seed ^ at));
         let chance = |percent| cell.borrow_mut().chance(percent);
         layer(
             contacts,
@@ -107,14 +83,14 @@ fn noise(random: &mut Random, contacts: usize, layers: usize) -> Tables {
 
 /// A random case: fingers, contacts, legs, junctions and pins.
 pub fn case(seed: u64) -> GraspRequest {
-    let random = &mut Random(seed.wrapping_mul(0x1234_5677));
+    let random = &mut Random::new(seed.wrapping_mul(0x1234_5677));
     let fingers = if random.chance(75) || seed.is_multiple_of(50) { 3 } else { 4 };
     let most = if fingers == 3 { random.pick(&[6, 7, 9, 10, 12, 14, 20]) } else { random.pick(&[5, 8, 11]) };
     let most = if seed.is_multiple_of(50) { 40 } else { most };
     let turn = random.pick(&[2, 4, 7, 12]);
     let by_angle = random.chance(20);
     let table = |random: &mut Random| {
-        let contacts = most - 2 * random.below(2);
+        let contacts = most - 2 * random.index(2);
         let layers = if by_angle { turn + 1 } else { 1 };
         Arc::new(if random.chance(20) && !by_angle {
             circle(contacts, contacts / 7 + 1)
@@ -149,16 +125,16 @@ fn some(random: &mut Random, fingers: usize, leg: &TurnLeg, angle: i32) -> Grasp
 
 /// A random grasp of two or three fingers.
 fn any(random: &mut Random, fingers: usize, contacts: usize) -> Grasp {
-    let count = 2 + random.below(2);
+    let count = 2 + random.index(2);
     let mut grasp = Grasp([0; 6]);
     while grasp.holding() < count {
-        grasp.0[random.below(fingers)] = random.below(contacts) as u16 + 1;
+        grasp.0[random.index(fingers)] = random.index(contacts) as u16 + 1;
     }
     grasp
 }
 
 fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Tables>; 2]) -> Vec<TurnLeg> {
-    let mut at = random.below(2);
+    let mut at = random.index(2);
     let mut legs: Vec<TurnLeg> = Vec::new();
     for number in 0..random.pick(&[1, 1, 2, 3]) {
         let before = at;
@@ -169,7 +145,7 @@ fn route(random: &mut Random, fingers: usize, turn: usize, sections: &[Arc<Table
         let half = |at: usize| [0, sections[at].contacts / 2];
         let entry = if crosses { Regrasp::Across { old: half(before), new: half(at) } } else { Regrasp::Same };
         let lowest = -(random.pick(&[0, turn / 2, turn]) as i32);
-        let (highest, steps) = (lowest + turn as i32, lowest + random.below(turn + 1) as i32);
+        let (highest, steps) = (lowest + turn as i32, lowest + random.index(turn + 1) as i32);
         let mut leg = TurnLeg { tables: sections[at].clone(), steps, lowest, highest, entry, end: None, lazy: None };
         if random.chance(30) {
             leg.end = Some(some(random, fingers, &leg, steps));
@@ -274,14 +250,14 @@ fn no_node_lies_below_the_floor_of_a_flood() {
         let request = case(seed);
         let courses = courses(&request).expect("cases are small");
         for (course, route) in courses.iter().zip(&request.routes) {
-            let random = &mut Random(seed);
+            let random = &mut Random::new(seed);
             let (shallow, mut deep) = (flooded::<1>(course, request.start), flooded::<1>(course, request.start));
             while !deep.ended() {
                 deep.deepen();
             }
             for _ in 0..300 {
-                let leg = random.below(route.len());
-                let angle = route[leg].lowest + random.below(route[leg].angles()) as i32;
+                let leg = random.index(route.len());
+                let angle = route[leg].lowest + random.index(route[leg].angles()) as i32;
                 let grasp = some(random, request.fingers, &route[leg], angle);
                 let spot = course.place(leg, (angle - route[leg].lowest) as usize, &grasp);
                 let Some(spot) = spot.filter(|spot| shallow.layer_of(*spot).is_none()) else { continue };
@@ -303,13 +279,13 @@ fn estimates_are_consistent() {
         let request = case(seed);
         let courses = courses(&request).expect("cases are small");
         for (course, route) in courses.iter().zip(&request.routes) {
-            let random = &mut Random(seed);
+            let random = &mut Random::new(seed);
             let published = Published::of(course);
             let mut layers = RemainingReconfigurations::<1>(flooded(course, request.start));
-            (0..random.below(3)).for_each(|_| layers.deepen());
+            (0..random.index(3)).for_each(|_| layers.deepen());
             for _ in 0..100 {
-                let leg = random.below(route.len());
-                let angle = route[leg].lowest + random.below(route[leg].angles()) as i32;
+                let leg = random.index(route.len());
+                let angle = route[leg].lowest + random.index(route[leg].angles()) as i32;
                 let from = OracleNode { leg, angle, grasp: some(random, request.fingers, &route[leg], angle) };
                 checked += usize::from(holds(&route[leg], angle, &from.grasp));
                 for estimate in [&published as &dyn Estimate, &layers] {

@@ -4,6 +4,7 @@ use crate::device::fingers::{Adhesion, FingersFacts, fixture};
 use crate::geometry::outline::{Curve, Outline};
 use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::tables::{ContactBits, Tables};
+use crate::random::support::Random;
 use std::f64::consts::TAU;
 
 mod oracle;
@@ -62,26 +63,6 @@ fn count(bits: &ContactBits) -> u32 {
 /// Number of ordered grasps of two or three of three fingers.
 fn grasps(tables: &Tables) -> u32 {
     3 * count(&tables.layers[0].pair) + count(&tables.layers[0].triple)
-}
-
-/// Deterministic pseudo-random whole numbers (splitmix64).
-struct Dice(u64);
-
-impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end as u64) as usize
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (self.next() >> 11) as f64 / (1_u64 << 53) as f64 * (high - low)
-    }
 }
 
 const PAPER: [f64; 2] = [16.0, 11.845];
@@ -332,12 +313,12 @@ fn a_contact_that_is_out_of_reach_is_neither_come_to_nor_left() {
 
 #[test]
 fn rows_of_bits_go_in_and_out_anywhere() {
-    let mut dice = Dice(1);
+    let mut dice = Random::new(1);
     for length in [1, 28, 63, 64, 65, 74, 128, 200] {
-        let start = dice.below(200);
+        let start = dice.index(200);
         let mut bits = ContactBits::new(start + length + 70);
         let mut row = vec![0_u64; usize::div_ceil(length, 64)];
-        (0..length).filter(|_| dice.below(2) == 0).for_each(|bit| row[bit / 64] |= 1 << (bit % 64));
+        (0..length).filter(|_| dice.index(2) == 0).for_each(|bit| row[bit / 64] |= 1 << (bit % 64));
         bits.put_row(start, &row);
         (start + length..start + length + 70).for_each(|bit| bits.put(bit));
         let mut back = vec![u64::MAX; row.len()];

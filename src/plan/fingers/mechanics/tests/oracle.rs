@@ -14,22 +14,22 @@ struct Case {
 const ARM_UM: f64 = 15.0;
 
 impl Case {
-    fn random(dice: &mut Dice) -> Case {
-        let adhesion = if dice.below(2) == 0 { Adhesion::Sticking } else { Adhesion::Absent };
-        let mut facts = hand(dice.within(0.05, 0.9), adhesion);
-        facts.max_force_un = [3.0, 10.0, 30.0][dice.below(3)];
-        facts.removal_safety = dice.within(0.5, 4.0);
-        let semi_um = [dice.within(5.0, 20.0), dice.within(5.0, 20.0)];
-        let tilt_rad = if dice.below(4) == 0 { 1.5 } else { 0.0 };
+    fn random(dice: &mut Random) -> Case {
+        let adhesion = if dice.index(2) == 0 { Adhesion::Sticking } else { Adhesion::Absent };
+        let mut facts = hand(dice.between(0.05, 0.9), adhesion);
+        facts.max_force_un = [3.0, 10.0, 30.0][dice.index(3)];
+        facts.removal_safety = dice.between(0.5, 4.0);
+        let semi_um = [dice.between(5.0, 20.0), dice.between(5.0, 20.0)];
+        let tilt_rad = if dice.index(4) == 0 { 1.5 } else { 0.0 };
         let mut contact = || any_contact(dice, semi_um, tilt_rad);
         let mut contacts = vec![contact(), contact(), contact()];
-        let size_un = [0.0, 0.5, 2.0, 8.0][dice.below(4)];
-        let force_un = [dice.within(-size_un, size_un), dice.within(-size_un, size_un)];
-        let across_un = if dice.below(2) == 0 { 0.0 } else { dice.within(0.0, size_un) };
-        facts.torsion_um = [0.0, 0.05, 1.0][dice.below(3)];
-        let height_um = if dice.below(2) == 0 { 0.0 } else { dice.within(-2.0, 2.0) };
-        let load = Load { force_un, across_un, at_um: [dice.within(-3.0, 3.0), dice.within(-3.0, 3.0)], height_um };
-        let kind = dice.below(3);
+        let size_un = [0.0, 0.5, 2.0, 8.0][dice.index(4)];
+        let force_un = [dice.between(-size_un, size_un), dice.between(-size_un, size_un)];
+        let across_un = if dice.index(2) == 0 { 0.0 } else { dice.between(0.0, size_un) };
+        facts.torsion_um = [0.0, 0.05, 1.0][dice.index(3)];
+        let height_um = if dice.index(2) == 0 { 0.0 } else { dice.between(-2.0, 2.0) };
+        let load = Load { force_un, across_un, at_um: [dice.between(-3.0, 3.0), dice.between(-3.0, 3.0)], height_um };
+        let kind = dice.index(3);
         let leaves = if kind == 2 { contacts.pop() } else { None };
         contacts.truncate(if kind == 0 { 2 } else { 3 });
         Case { facts, contacts, leaves, load }
@@ -110,9 +110,9 @@ impl Case {
 }
 
 /// A contact on an ellipse, with its normal rotated by up to `tilt_rad`, as on a concave outline.
-fn any_contact(dice: &mut Dice, [a, b]: [f64; 2], tilt_rad: f64) -> Contact {
-    let (sin, cos) = dice.within(0.0, TAU).sin_cos();
-    let normal_rad = (sin / b).atan2(cos / a) + dice.within(-tilt_rad, tilt_rad);
+fn any_contact(dice: &mut Random, [a, b]: [f64; 2], tilt_rad: f64) -> Contact {
+    let (sin, cos) = dice.between(0.0, TAU).sin_cos();
+    let normal_rad = (sin / b).atan2(cos / a) + dice.between(-tilt_rad, tilt_rad);
     let (ny, nx) = normal_rad.sin_cos();
     let point_um = [a * cos, b * sin];
     let tip_um = [point_um[0] + 4.5 * nx, point_um[1] + 4.5 * ny];
@@ -121,7 +121,7 @@ fn any_contact(dice: &mut Dice, [a, b]: [f64; 2], tilt_rad: f64) -> Contact {
 
 #[test]
 fn the_predicate_agrees_with_a_solver_on_random_grasps() {
-    let mut dice = Dice(5);
+    let mut dice = Random::new(5);
     let (mut tally, mut marginal) = ([[0_u32; 2]; 6], 0);
     for _ in 0..40_000 {
         let case = Case::random(&mut dice);
