@@ -16,7 +16,7 @@ use crate::log::{self, Log, LogError};
 use crate::plan::watch::SearchWatch;
 use crate::schedule::{Schedule, SourceRef};
 use crate::source::Sources;
-use crate::verify::{self, Verdict, Verified, Violation};
+use crate::verify::{self, Verified, Violation};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -226,12 +226,8 @@ fn derive(program: &ProgramSource) -> Result<Derived, Box<Refusal>> {
 
 fn replay(schedule: Schedule, derived: Derived) -> Result<Verified, Box<Refusal>> {
     let mut sink = Sink::default();
-    match verify::verify_program(schedule, &derived.claims, &derived.sources) {
-        Verdict::Accepted(verified) => return Ok(verified),
-        Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
-        Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),
-    }
-    Err(Box::new(Refusal { sources: derived.sources, sink, exit: Exit::Refused }))
+    let accepted = verify::verify_program(schedule, &derived.claims, &derived.sources).accepted(&mut sink);
+    accepted.ok_or_else(|| Box::new(Refusal { sources: derived.sources, sink, exit: Exit::Refused }))
 }
 
 /// Refuses a log whose schedule breaks the claims of a trusted program.

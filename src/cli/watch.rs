@@ -3,7 +3,7 @@
 use super::arguments::QuietArgument;
 use super::glances::Glances;
 use super::{Exit, terminal};
-use crate::schedule::cost::count;
+use crate::quantity::count;
 use std::path::PathBuf;
 use std::thread;
 use std::time::Duration;

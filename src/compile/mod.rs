@@ -13,7 +13,7 @@ use crate::lower::lower;
 use crate::plan::{self, Motion, Plan, Progress};
 use crate::schedule::Schedule;
 use crate::source::Sources;
-use crate::verify::{self, Verdict, Verified};
+use crate::verify::{self, Verified};
 
 /// What became of a program.
 pub struct Compiled {
@@ -78,12 +78,8 @@ pub fn verified_plans<'a>(
     progress: Progress,
 ) -> Result<VerifiedPlans<'a>, CompileOutcome> {
     let (plans, schedule) = planned(claims, sources, sink, progress).ok_or(CompileOutcome::Errors)?;
-    match verify::verify_program(schedule, claims, sources) {
-        Verdict::Accepted(verified) => return Ok(VerifiedPlans { plans, verified }),
-        Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
-        Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),
-    }
-    Err(CompileOutcome::Refused)
+    let verified = verify::verify_program(schedule, claims, sources).accepted(sink).ok_or(CompileOutcome::Refused)?;
+    Ok(VerifiedPlans { plans, verified })
 }
 
 /// Reads, checks, plans, schedules and verifies a program.
@@ -107,14 +103,9 @@ pub fn compile(
     }
     let mut schedules = Vec::with_capacity(drafts.len());
     for (schedule, claims) in drafts {
-        match verify::verify_program(schedule, claims, sources) {
-            Verdict::Accepted(verified) => {
-                observer.verified(&verified);
-                schedules.push(verified);
-            }
-            Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
-            Verdict::Inconclusive { why } => sink.push(verify::inconclusive(&why)),
-        }
+        let Some(verified) = verify::verify_program(schedule, claims, sources).accepted(sink) else { continue };
+        observer.verified(&verified);
+        schedules.push(verified);
     }
     if schedules.len() < checked.claims.len() {
         return CompileOutcome::Refused;

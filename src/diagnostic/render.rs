@@ -3,6 +3,7 @@
 use super::excerpt::{CONTEXT_LINES, Excerpt};
 use super::plain::{plain, plain_lines};
 use super::{Diagnostic, Label, Severity, Sink};
+use crate::quantity::count;
 use crate::source::{FileId, Sources};
 use console::Style;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
@@ -62,12 +63,8 @@ fn title(diagnostic: &Diagnostic, colour: Colour) -> String {
 /// What a sink holds, counted: `2 errors, 1 warning`; nothing of an empty one.
 pub fn counted(sink: &Sink) -> Option<String> {
     let warnings = sink.sorted().iter().filter(|diagnostic| !diagnostic.is_error()).count();
-    let count = |count: usize, word: &str| {
-        let plural = if count == 1 { "" } else { "s" };
-        (count > 0).then(|| format!("{count} {word}{plural}"))
-    };
-    let counts: Vec<String> =
-        [count(sink.errors(), "error"), count(warnings, "warning")].into_iter().flatten().collect();
+    let counts = [(sink.errors(), "error"), (warnings, "warning")].into_iter().filter(|one| one.0 > 0);
+    let counts: Vec<String> = counts.map(|(number, noun)| count(number, noun)).collect();
     (!counts.is_empty()).then(|| counts.join(", "))
 }
 

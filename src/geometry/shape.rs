@@ -82,6 +82,17 @@ pub enum Core {
     Polygon(Vec<Point2<f64>>),
 }
 
+impl Core {
+    /// Its point, its two ends, or its corners in order around it (µm).
+    pub fn corners(&self) -> &[Point2<f64>] {
+        match self {
+            Core::Point(point) => std::slice::from_ref(point),
+            Core::Segment(ends) => ends,
+            Core::Polygon(corners) => corners,
+        }
+    }
+}
+
 /// All points of the world within `radius_um` of a core.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rounded {

@@ -235,11 +235,7 @@ impl std::fmt::Display for VoltageFault {
 /// and 0, and the end.
 pub fn fault(schedule: &Schedule, voltages: &[Series]) -> Option<VoltageFault> {
     let topics: BTreeSet<String> = schedule.channels.iter().map(topic).collect();
-    let mut by_channel = vec![Vec::new(); schedule.channels.len()];
-    for actuation in &schedule.actuations {
-        by_channel[actuation.channel as usize].push(actuation);
-    }
-    by_channel.iter_mut().for_each(|list| list.sort_by_key(|actuation| actuation.start_ns));
+    let by_channel = schedule.by_channel();
     for topic in &topics {
         match voltages.iter().find(|series| series.topic == *topic) {
             Some(series) => {

@@ -3,6 +3,7 @@
 use crate::claims::{Relation, Requirement};
 use crate::device::MAX_EXPANSIONS;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::count;
 use crate::source::Span;
 
 /// Most obstacles that one report labels.
@@ -83,11 +84,6 @@ pub fn listed(names: impl IntoIterator<Item = String>, most: usize) -> String {
     format!("{}{rest}", names.join(", "))
 }
 
-/// A number of steps in words.
-pub fn steps_text(steps: u64) -> String {
-    if steps == 1 { "1 step".to_owned() } else { format!("{steps} steps") }
-}
-
 fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
     let names = listed(blamed.iter().map(|(name, _)| format!("`{name}`")), MAX_LABELS);
     match (removal, blamed.len()) {
@@ -104,12 +100,9 @@ fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
 }
 
 pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, planner: &str) -> Diagnostic {
-    Diagnostic::new(
-        Code::E0602,
-        format!("{what} gave up after {budget} expansion{}", if budget == 1 { "" } else { "s" }),
-    )
-    .label(step, undecided(to, bound))
-    .help(more_allowed(budget, planner))
+    Diagnostic::new(Code::E0602, format!("{what} gave up after {}", count(budget, "expansion")))
+        .label(step, undecided(to, bound))
+        .help(more_allowed(budget, planner))
 }
 
 fn undecided(to: &str, bound: &str) -> String {
@@ -124,13 +117,13 @@ pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, avoids: bool) -> Di
         "move parts away from places that others need, with `move PART to CELL`, or write the operations into several `assay` steps"
     };
     Diagnostic::new(Code::E0602, "the search found no plan and has nothing left to try")
-        .label(step, undecided(to, &steps_text(bound)))
+        .label(step, undecided(to, &count(bound, "step")))
         .help(format!("a larger budget hardly helps: {help}"))
 }
 
 /// A greedy planner gave up; its failure proves nothing. `first` is what Tweeze's own planner needs before it plans this, such as another field.
 pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str, first: &str) -> Diagnostic {
-    let steps = steps_text(steps as u64);
+    let steps = count(steps, "step");
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps}"))
         .label(asked, "neither planned nor disproved")
         .help(format!("{first}leave `using` out: Tweeze's own planner searches all plans as far as its budget goes"))

@@ -1,6 +1,7 @@
 //! Figures for people: so many digits, rounded to the nearest or to the side on which a sentence stays true.
 
 use crate::real::Real;
+use std::fmt::Display;
 
 /// Relative distance from a round figure that is the rounding of arithmetic.
 const ROUNDING: f64 = 1e-9;
@@ -67,6 +68,16 @@ pub fn fraction(value: f64) -> String {
 /// A count with a blank between thousands: `200 000`.
 pub fn grouped(count: u64) -> String {
     if count < 1000 { count.to_string() } else { format!("{} {:03}", grouped(count / 1000), count % 1000) }
+}
+
+/// A number of things: `3 switches`, `1 step`.
+pub fn count<N: Display + PartialEq + From<u8>>(number: N, noun: &str) -> String {
+    let plural = match number == N::from(1) {
+        true => "",
+        false if noun.ends_with("ch") => "es",
+        false => "s",
+    };
+    format!("{number} {noun}{plural}")
 }
 
 /// A number with at most six significant digits, without trailing zeros; plain notation where it is short.

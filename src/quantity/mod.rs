@@ -6,7 +6,7 @@
 mod figures;
 pub(crate) mod slip;
 
-pub use figures::{digits, fraction, grouped, no_less, no_more, significant, to_decimals};
+pub use figures::{count, digits, fraction, grouped, no_less, no_more, significant, to_decimals};
 
 use crate::real::Real;
 use serde::{Deserialize, Serialize};

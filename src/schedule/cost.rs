@@ -46,8 +46,3 @@ pub fn rounded(value: f64) -> String {
 pub fn count_of(plan: &PlanRecord, outcome: &str) -> f64 {
     plan.outcomes.get(outcome).copied().unwrap_or_default()
 }
-
-pub fn count(number: usize, noun: &str) -> String {
-    let plural = if noun.ends_with("ch") { "es" } else { "s" };
-    format!("{number} {noun}{}", if number == 1 { "" } else { plural })
-}

@@ -1,11 +1,11 @@
 //! States of a DiMiBot, and the places that its steps reach.
 
-use super::cost::{Costed, count, count_of, proof, rounded};
+use super::cost::{Costed, count_of, proof, rounded};
 use super::reached::{Reached, Reaching};
 use super::{KindState, PlanRecord, State, TimedState};
 use crate::claims::dimibot::{Asked, DimibotAction, DimibotOrder, DimibotStop};
 use crate::device::dimibot::{DimibotObjective, DimibotOutcome, Side};
-use crate::quantity::digits;
+use crate::quantity::{count, digits};
 use serde::{Deserialize, Serialize};
 
 /// Where a robot stands.

@@ -1,11 +1,11 @@
 //! States of an electrode array. Its steps ask for cells, which are met or not.
 
-use super::cost::{Costed, count, count_of, proof};
+use super::cost::{Costed, count_of, proof};
 use super::reached::{Reached, Reaching};
 use super::{KindState, PlanRecord, State};
 use crate::claims::electrode_array::{ElectrodeArrayObjective, ElectrodeArrayOrder};
 use crate::device::electrode_array::ElectrodeArrayOutcome;
-use crate::quantity::digits;
+use crate::quantity::{count, digits};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -53,7 +53,7 @@ impl Costed for ElectrodeArrayOrder {
 
     /// Steps of the board in it.
     fn stretch(&self, _plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
-        Some(count((end_ns.saturating_sub(start_ns) / self.facts.step_ns.max(1)) as usize, "step"))
+        Some(count(end_ns.saturating_sub(start_ns) / self.facts.step_ns.max(1), "step"))
     }
 }
 

@@ -1,10 +1,11 @@
 //! States of a hand, and the turns and orientations that its steps reach.
 
-use super::cost::{Costed, count, count_of, proof, rounded};
+use super::cost::{Costed, count_of, proof, rounded};
 use super::reached::{Reached, Reaching};
 use super::{KindState, PlanRecord, State};
 use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::device::fingers::{FingersOutcome, Plane};
+use crate::quantity::count;
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 

@@ -161,6 +161,20 @@ impl Actuation {
     }
 }
 
+impl Schedule {
+    /// The actuations of each channel, in the order of time.
+    pub fn by_channel(&self) -> Vec<Vec<&Actuation>> {
+        let mut by_channel = vec![Vec::new(); self.channels.len()];
+        for actuation in &self.actuations {
+            if let Some(list) = by_channel.get_mut(actuation.channel as usize) {
+                list.push(actuation);
+            }
+        }
+        by_channel.iter_mut().for_each(|list: &mut Vec<&Actuation>| list.sort_by_key(|actuation| actuation.start_ns));
+        by_channel
+    }
+}
+
 /// The greatest common divisor of two times; that of 0 and a time is the time.
 pub fn common_divisor_ns(mut a: u64, mut b: u64) -> u64 {
     while b > 0 {

@@ -37,18 +37,6 @@ impl Schedule {
         own
     }
 
-    /// The actuations of each channel, in the order of time.
-    pub fn by_channel(&self) -> Vec<Vec<&Actuation>> {
-        let mut by_channel = vec![Vec::new(); self.channels.len()];
-        for actuation in &self.actuations {
-            if let Some(list) = by_channel.get_mut(actuation.channel as usize) {
-                list.push(actuation);
-            }
-        }
-        by_channel.iter_mut().for_each(|list: &mut Vec<&Actuation>| list.sort_by_key(|actuation| actuation.start_ns));
-        by_channel
-    }
-
     /// The turns of a channel of positions, in the order of time.
     pub fn turns(&self, channel: usize) -> Vec<Turn> {
         let mut stretches = vec![Stretch { start_ns: 0, speed_um_per_s: 0.0, step: 0 }];

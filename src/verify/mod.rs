@@ -35,7 +35,7 @@ pub use rule::{MAX_VIOLATIONS, Rule, Violation};
 
 use crate::claims::{Claims, Order};
 use crate::device::each_kind;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::schedule::{ChannelUnit, Schedule, State, TimedState};
 use crate::source::{Sources, Span};
 use clock::JudgedRun;
@@ -83,6 +83,18 @@ pub enum Verdict {
     Rejected(Vec<Violation>),
     /// No schedule can be checked against the claims.
     Inconclusive { why: String },
+}
+
+impl Verdict {
+    /// The verified schedule; what speaks against it is pushed.
+    pub fn accepted(self, sink: &mut Sink) -> Option<Verified> {
+        match self {
+            Verdict::Accepted(verified) => return Some(verified),
+            Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
+            Verdict::Inconclusive { why } => sink.push(inconclusive(&why)),
+        }
+        None
+    }
 }
 
 /// Checks a schedule against its program: the claims, which were derived from the files of `sources`, and the files themselves for

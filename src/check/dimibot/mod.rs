@@ -20,7 +20,7 @@ use crate::device::dimibot::{self, DimibotFacts, DimibotVerb, LatticeCell, Side,
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::distance;
-use crate::geometry::shape::{Core, MAX_EXTENT_UM, Pose, Shape};
+use crate::geometry::shape::{MAX_EXTENT_UM, Pose, Shape};
 use crate::quantity::Quantity;
 use crate::source::{Span, Spanned};
 use nalgebra::Point2;
@@ -318,11 +318,7 @@ fn last_cell(facts: &DimibotFacts) -> LatticeCell {
 /// The lower and the upper corner of the box round a grown body; `None` for a shape that cannot be.
 fn bounds_um(shape: &Shape, pose: &Pose, growth_um: f64) -> Option<[[f64; 2]; 2]> {
     let grown = shape.grown(pose, growth_um).ok()?;
-    let corners = match &grown.core {
-        Core::Point(point) => std::slice::from_ref(point),
-        Core::Segment(ends) => ends.as_slice(),
-        Core::Polygon(corners) => corners.as_slice(),
-    };
+    let corners = grown.core.corners();
     let axis = |axis: usize| corners.iter().map(move |corner| corner[axis]);
     let low_um = [0, 1].map(|at| axis(at).fold(f64::INFINITY, f64::min) - grown.radius_um);
     let high_um = [0, 1].map(|at| axis(at).fold(f64::NEG_INFINITY, f64::max) + grown.radius_um);

@@ -8,6 +8,7 @@ use crate::check::labels::DeviceLabel;
 use crate::check::value::{BoardFile, LeftOut, ListValue, Value, whole};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Electrodes, MAX_SHARING};
 use crate::diagnostic::Sink;
+use crate::quantity::count;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -117,7 +118,7 @@ fn channels(
 ) -> Option<Vec<Option<u32>>> {
     if rows.len() != facts.rows as usize {
         let labels =
-            [DeviceLabel::field("channels", rows_text(rows.len())), DeviceLabel::field("rows", "as many as here")];
+            [DeviceLabel::field("channels", count(rows.len(), "row")), DeviceLabel::field("rows", "as many as here")];
         sink.push(device.labelled(errors::rows_of_map(rows.len(), facts.rows), labels));
         return None;
     }
@@ -146,10 +147,6 @@ fn channels(
         return None;
     }
     Some(numbers)
-}
-
-fn rows_text(rows: usize) -> String {
-    if rows == 1 { "1 row".to_owned() } else { format!("{rows} rows") }
 }
 
 /// The electrodes that do not work, in order.

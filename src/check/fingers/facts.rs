@@ -30,9 +30,6 @@ const SPEEDS_UM_PER_S: [f64; 2] = [1e-3, 1e9];
 /// Least non-zero and greatest friction coefficient and removal safety.
 const RATIOS: [f64; 2] = [1e-6, 100.0];
 
-/// Default share of the forces that is kept in reserve while tips roll: rolling on chords turns a force by up to a hundredth of the
-/// friction cone; this is twice that.
-
 /// The facts of a hand; `None` after an error.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
     let errors = sink.errors();

@@ -16,6 +16,7 @@ use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, Finger
 use crate::device::fingers::{FingersFacts, FingersVerb, MAX_HOLDING, Plane, TurnAxis};
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::geometry::outline::Curve;
+use crate::quantity::count;
 use crate::real::Real;
 use crate::source::Span;
 use nalgebra::Vector3;
@@ -327,8 +328,7 @@ impl HandStepJudge<'_> {
     fn count_fault(&self, contacts: &[u32], span: Span) -> Option<Diagnostic> {
         let held: Vec<u32> = contacts.iter().copied().filter(|contact| *contact > 0).collect();
         if !(2..=MAX_HOLDING).contains(&held.len()) {
-            let fingers = if held.len() == 1 { "1 finger".to_owned() } else { format!("{} fingers", held.len()) };
-            let what = format!("a grasp by {fingers}, two or three hold a part");
+            let what = format!("a grasp by {}, two or three hold a part", count(held.len(), "finger"));
             return Some(errors::bad_grasp(span, what, "write 0 for the other fingers, as `(1, 38, 0)`".to_owned()));
         }
         let twice = held.iter().enumerate().find(|(index, contact)| held[..*index].contains(contact));

@@ -2,7 +2,7 @@
 
 use crate::claims::microrobots::MicrorobotsObstacle;
 use crate::device::microrobots::Robot;
-use crate::geometry::{Core, Pose, Rounded, distance};
+use crate::geometry::{Pose, Rounded, distance};
 use crate::real::Real;
 use nalgebra::{Point2, Vector2};
 
@@ -94,11 +94,7 @@ impl ObstacleSolid {
     /// `None` for a shape that cannot be placed, already reported for the scene.
     pub fn of(obstacle: &MicrorobotsObstacle) -> Option<ObstacleSolid> {
         let body = obstacle.shape.grown(&obstacle.pose, 0.0).ok()?;
-        let corners = match &body.core {
-            Core::Point(point) => std::slice::from_ref(point),
-            Core::Segment(ends) => ends.as_slice(),
-            Core::Polygon(corners) => corners.as_slice(),
-        };
+        let corners = body.core.corners();
         let sum = corners.iter().fold(Vector2::zeros(), |sum, corner| sum + corner.coords);
         let centre = Point2::from(sum / corners.len() as f64);
         let farthest_um = corners.iter().map(|corner| (corner - centre).norm()).fold(0.0, f64::max);

@@ -10,8 +10,8 @@ use crate::cli::waiting::ProgressLine;
 use crate::compile::CompileObserver;
 use crate::emit::Format;
 use crate::plan::watch::SearchWatch;
+use crate::quantity::count;
 use crate::schedule::Schedule;
-use crate::schedule::cost::count;
 use crate::verify::Verified;
 use std::collections::BTreeSet;
 use std::io::IsTerminal;
@@ -94,7 +94,7 @@ impl<'a> LiveReport<'a> {
         let Some(begin) = self.planned.take() else { return };
         let mut text = match self.search.news().steps {
             0 => "nothing: the plan is known without".to_owned(),
-            steps => count(steps as usize, "step"),
+            steps => count(steps, "step"),
         };
         if std::io::stdout().is_terminal() {
             text.push_str(&format!(" in {:.2} s", begin.elapsed().as_secs_f64()));

@@ -99,6 +99,7 @@ const FIELDS: &[VocabularyField] = &[
     defaulted(
         "rolling_reserve",
         not_negative(Dimension::NUMBER),
+        // Rolling on chords turns a force by up to a hundredth of the friction cone; this is twice that.
         DefaultFigure::new(2.0, "%"),
         "the share of friction, pull-off and greatest force that planned grasps do without while they roll",
     ),

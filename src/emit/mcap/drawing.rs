@@ -120,12 +120,7 @@ pub fn snapped(value: f64) -> f64 {
 
 /// The largest y of a body.
 pub fn top_um(body: &Rounded) -> f64 {
-    let points = match &body.core {
-        Core::Point(point) => std::slice::from_ref(point),
-        Core::Segment(ends) => ends.as_slice(),
-        Core::Polygon(corners) => corners.as_slice(),
-    };
-    points.iter().map(|point| point.y).fold(f64::NEG_INFINITY, f64::max) + body.radius_um
+    body.core.corners().iter().map(|point| point.y).fold(f64::NEG_INFINITY, f64::max) + body.radius_um
 }
 
 /// Adds a cylinder that stands upright.

@@ -16,7 +16,8 @@ use super::error::MAX_TEXT_BYTES;
 use super::{EmitError, Format, Signals};
 use crate::claims::Order;
 use crate::device::each_kind;
-use crate::schedule::cost::{cost, count};
+use crate::quantity::count;
+use crate::schedule::cost::cost;
 use crate::verify::Verified;
 use drawing::{
     Anchor, Drawing, LINE_PT, Letters, PT_PER_MM, PaperBox, PaperView, TEXT_PT, TITLE_PT, color, escaped, number,

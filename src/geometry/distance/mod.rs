@@ -12,14 +12,19 @@ use nalgebra::Point2;
 pub type Segment = [Point2<f64>; 2];
 
 /// Distance of a point from a segment.
-pub fn point_segment(point: Point2<f64>, [a, b]: Segment) -> f64 {
+pub fn point_segment(point: Point2<f64>, segment: Segment) -> f64 {
+    point_segment_squared(point, segment).sqrt()
+}
+
+/// The square of the distance of a point from a segment.
+pub(super) fn point_segment_squared(point: Point2<f64>, [a, b]: Segment) -> f64 {
     let along = b - a;
     let square = along.norm_squared();
     if square == 0.0 {
-        return (point - a).norm();
+        return (point - a).norm_squared();
     }
     let share = ((point - a).dot(&along) / square).clamp(0.0, 1.0);
-    (point - (a + along * share)).norm()
+    (point - (a + along * share)).norm_squared()
 }
 
 /// Distance between two segments.
@@ -95,7 +100,7 @@ pub fn quadrilateral_core(quadrilateral: [Point2<f64>; 4], core: &Core) -> f64 {
 
 /// Whether a point lies in a polygon by the even-odd rule; on the border either answer may come, where the distance to
 /// an edge is 0 anyway.
-fn inside(point: Point2<f64>, corners: &[Point2<f64>]) -> bool {
+pub(super) fn inside(point: Point2<f64>, corners: &[Point2<f64>]) -> bool {
     edges(corners).fold(false, |inside, [a, b]| {
         let spans = (a.y > point.y) != (b.y > point.y);
         let right = spans && point.x < a.x + (b.x - a.x) * ((point.y - a.y) / (b.y - a.y));
@@ -103,7 +108,8 @@ fn inside(point: Point2<f64>, corners: &[Point2<f64>]) -> bool {
     })
 }
 
-fn edges(corners: &[Point2<f64>]) -> impl Iterator<Item = Segment> + '_ {
+/// The edges of a polygon, each from a corner to the next.
+pub(super) fn edges(corners: &[Point2<f64>]) -> impl Iterator<Item = Segment> + '_ {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
 

@@ -4,6 +4,7 @@
 //! the body, or whether the closed rectangle touches the closed body. Promise: exact for every form up to the rounding of `f64`;
 //! the intervals of one body may overlap each other and are not sorted.
 
+use super::distance::{Segment, edges, inside, point_segment_squared};
 use super::shape::{Core, Rounded};
 use crate::real::Real;
 use nalgebra::Point2;
@@ -42,16 +43,16 @@ impl Rounded {
 
     /// Appends the closed intervals that the line along `axis` at cross coordinate `at_um` has inside the body.
     pub fn section(&self, axis: PlaneAxis, at_um: f64, found: &mut Vec<[f64; 2]>) {
-        let line = |p: &Point2<f64>| match axis {
+        let line = |p: Point2<f64>| match axis {
             PlaneAxis::X => [p.x, p.y - at_um],
             PlaneAxis::Y => [p.y, p.x - at_um],
         };
         let r = self.radius_um;
         match &self.core {
-            Core::Point(p) => found.extend(disc_section(line(p), r)),
-            Core::Segment([a, b]) => found.extend(capsule_section(line(a), line(b), r)),
+            Core::Point(p) => found.extend(disc_section(line(*p), r)),
+            Core::Segment([a, b]) => found.extend(capsule_section(line(*a), line(*b), r)),
             Core::Polygon(corners) => {
-                let edges = || edges(corners).map(|(a, b)| (line(a), line(b)));
+                let edges = || edges(corners).map(|[a, b]| (line(a), line(b)));
                 found.extend(edges().filter_map(|(a, b)| capsule_section(a, b, r)));
                 inner_section(edges(), found);
             }
@@ -63,20 +64,11 @@ impl Rounded {
         let reach = self.radius_um * self.radius_um;
         match &self.core {
             Core::Point(p) => rectangle.distance_squared(p) <= reach,
-            Core::Segment([a, b]) => rectangle.near_segment(a, b, reach),
+            Core::Segment(ends) => rectangle.near_segment(*ends, reach),
             Core::Polygon(corners) => {
-                edges(corners).any(|(a, b)| rectangle.near_segment(a, b, reach)) || contains(corners, rectangle.min_um)
+                edges(corners).any(|edge| rectangle.near_segment(edge, reach))
+                    || inside(rectangle.min_um.into(), corners)
             }
-        }
-    }
-}
-
-impl Core {
-    fn corners(&self) -> &[Point2<f64>] {
-        match self {
-            Core::Point(p) => std::slice::from_ref(p),
-            Core::Segment(ends) => ends,
-            Core::Polygon(corners) => corners,
         }
     }
 }
@@ -88,11 +80,10 @@ impl Rectangle {
     }
 
     // Two convex sets that do not meet are nearest at a corner of one of them, so corners and crossings decide.
-    fn near_segment(&self, a: &Point2<f64>, b: &Point2<f64>, reach: f64) -> bool {
-        self.distance_squared(a) <= reach
-            || self.distance_squared(b) <= reach
-            || self.crosses(a, b)
-            || self.corners().iter().any(|c| segment_distance_squared(c, a, b) <= reach)
+    fn near_segment(&self, segment: Segment, reach: f64) -> bool {
+        segment.iter().any(|end| self.distance_squared(end) <= reach)
+            || self.crosses(segment)
+            || self.corners().into_iter().any(|corner| point_segment_squared(corner, segment) <= reach)
     }
 
     fn corners(&self) -> [Point2<f64>; 4] {
@@ -101,7 +92,7 @@ impl Rectangle {
     }
 
     // Clips the segment against the four sides (Liang and Barsky).
-    fn crosses(&self, a: &Point2<f64>, b: &Point2<f64>) -> bool {
+    fn crosses(&self, [a, b]: Segment) -> bool {
         let (mut from, mut to) = (0.0_f64, 1.0_f64);
         for k in 0..2 {
             let run = b[k] - a[k];
@@ -118,27 +109,6 @@ impl Rectangle {
         }
         from <= to
     }
-}
-
-fn segment_distance_squared(p: &Point2<f64>, a: &Point2<f64>, b: &Point2<f64>) -> f64 {
-    let run = b - a;
-    let length_squared = run.norm_squared();
-    let t = match length_squared > 0.0 {
-        true => ((p - a).dot(&run) / length_squared).clamp(0.0, 1.0),
-        false => 0.0,
-    };
-    (p - (a + run * t)).norm_squared()
-}
-
-fn edges(corners: &[Point2<f64>]) -> impl Iterator<Item = (&Point2<f64>, &Point2<f64>)> {
-    corners.iter().zip(corners.iter().cycle().skip(1))
-}
-
-// Even-odd rule; corners exactly on the boundary are caught by the edges' own tests.
-fn contains(corners: &[Point2<f64>], [x, y]: [f64; 2]) -> bool {
-    let crossings =
-        edges(corners).filter(|(a, b)| (a.y <= y) != (b.y <= y) && x < a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
-    crossings.count() % 2 == 1
 }
 
 // In the next three, a point is [along the line, offset from the line].

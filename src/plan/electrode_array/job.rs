@@ -34,6 +34,7 @@ use crate::plan::errors::{self, Removal};
 use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 use crate::plan::{KindPlanner, Optimality, Plan};
+use crate::quantity::count;
 use crate::source::Span;
 use std::collections::BTreeMap;
 
@@ -416,7 +417,7 @@ impl Tasks<'_> {
     }
 
     fn gave_up(&mut self, step: &ElectrodeArrayStep, to: &str, bounds: BoardCosts, budget: SearchBudget) {
-        let (what, steps) = ("the search for a plan", errors::steps_text(bounds.makespan));
+        let (what, steps) = ("the search for a plan", count(bounds.makespan, "step"));
         let diagnostic =
             errors::gave_up(step.span, to, what, budget.steps, &steps, ElectrodeArrayMethod::Portfolio.name());
         self.sink.push(self.with_avoided(diagnostic.help(more_may_do(budget.steps)), step));

@@ -20,7 +20,7 @@ use crate::device::fingers::{AXES, Adhesion, FingersFacts, MAX_CONTACTS, MAX_GRA
 use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
 use crate::geometry::outline::{Curve, OutlineError};
 use crate::plan::search::GaveUp;
-use crate::quantity::{digits, significant, to_decimals};
+use crate::quantity::{count, digits, significant, to_decimals};
 use nalgebra::UnitQuaternion;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -101,11 +101,7 @@ impl HandReasons<'_> {
     fn gave_up(&self, gave_up: &GaveUp) -> Diagnostic {
         let (most, budget) = (u64::from(MAX_EXPANSIONS), gave_up.budget.steps);
         let bound = digits(gave_up.bound as f64 / f64::from(self.order.facts.steps_per_turn));
-        let title = format!(
-            "{}: the search gave up after {budget} expansion{}",
-            self.what(),
-            if budget == 1 { "" } else { "s" }
-        );
+        let title = format!("{}: the search gave up after {}", self.what(), count(budget, "expansion"));
         let help = match budget.saturating_mul(8).min(most) {
             _ if budget >= most => "no more can be allowed: take a larger `step`, or split the task".to_owned(),
             more => format!("allow more: `using {} {{ expansions: {more} }}`", self.order.planner.name()),

@@ -9,7 +9,7 @@ use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStep, MicrorobotsS
 use crate::device::microrobots::MicrorobotsPlanner;
 use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
 use crate::geometry::Pose;
-use crate::quantity::{Dimension, Quantity, digits, to_decimals};
+use crate::quantity::{Dimension, Quantity, count, digits, to_decimals};
 use crate::source::Span;
 
 /// Text of the messages about one step.
@@ -255,8 +255,7 @@ impl BedReasons<'_> {
 
     fn gave_up(&self) -> Diagnostic {
         let budget = self.order.expansions;
-        let plural = if budget == 1 { "" } else { "s" };
-        Diagnostic::new(Code::E0602, format!("the search gave up after {budget} expansion{plural}"))
+        Diagnostic::new(Code::E0602, format!("the search gave up after {}", count(budget, "expansion")))
             .label(self.step.span, "neither planned nor disproved")
             .help(crate::plan::errors::more_allowed(budget, MicrorobotsPlanner::OneWayDubins.name()))
     }

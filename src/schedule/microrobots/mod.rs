@@ -2,12 +2,13 @@
 
 pub mod control;
 
-use super::cost::{Costed, count, count_of, proof, rounded};
+use super::cost::{Costed, count_of, proof, rounded};
 use super::reached::{Reached, Reaching};
 use super::{KindState, PlanRecord, State};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::{MicrorobotsObjective, MicrorobotsOutcome};
 use crate::geometry::Pose;
+use crate::quantity::count;
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -16,7 +16,7 @@ pub use zones::*;
 use crate::check::value::{BoardFile, LeftOut, Value};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, MAX_SHARING};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Dimension, digits};
+use crate::quantity::{Dimension, count, digits};
 use crate::source::{Span, Spanned};
 use std::collections::BTreeSet;
 
@@ -423,7 +423,7 @@ pub fn starts_too_near(parts: [PartPlace; 2], apart: u32, free: Option<Electrode
 }
 
 fn electrodes(distance: u32) -> String {
-    if distance == 1 { "1 electrode apart".to_owned() } else { format!("{distance} electrodes apart") }
+    format!("{} apart", count(distance, "electrode"))
 }
 
 /// The goal that is too near, then the one that was given before.

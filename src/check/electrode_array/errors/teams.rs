@@ -3,6 +3,7 @@
 use super::{PartPlace, electrodes, nearest};
 use crate::device::electrode_array::{ElectrodeCell, MAX_TEAM};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::quantity::count;
 use crate::source::Span;
 use std::collections::BTreeSet;
 
@@ -30,7 +31,6 @@ pub fn no_team(span: Span, name: &str, families: &BTreeSet<&str>, scene: Option<
 }
 
 pub fn goals_of_team(step: Span, to: Span, name: &str, parts: &[&str], goals: usize) -> Diagnostic {
-    let count = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let title = format!("`any {name}` is {}, but has {}", count(parts.len(), "part"), count(goals, "goal"));
     let named: Vec<String> = parts.iter().take(MOST_NAMED).map(|name| format!("`{name}`")).collect();
     let more = if parts.len() > MOST_NAMED { format!(" and {} more", parts.len() - MOST_NAMED) } else { String::new() };

@@ -8,16 +8,15 @@ use crate::cli::Exit;
 use crate::cli::arguments::DevicesArguments;
 use crate::cli::terminal::{self, aligned};
 use crate::device::microrobots::{ControlState, Robot};
-use crate::quantity::{Dimension, Quantity, digits, to_decimals};
+use crate::quantity::{Dimension, Quantity, count, digits, to_decimals};
 use std::fmt::Write;
 
 /// The table of a bed, and the control states that its voltage can reach.
 pub fn describe(name: &str, bed: &CheckedBed) -> String {
     let facts = &bed.facts;
-    let count = facts.robots.len();
-    let plural = if count == 1 { "" } else { "s" };
     let head = format!(
-        "{name}: microrobots, {count} robot{plural}, each transition voltage ± {}, drive train {} to {}, source up to {}\n",
+        "{name}: microrobots, {}, each transition voltage ± {}, drive train {} to {}, source up to {}\n",
+        count(facts.robots.len(), "robot"),
         volts(facts.margin_v),
         volts(facts.relax_v),
         volts(facts.flex_v),
@@ -78,11 +77,11 @@ pub fn suggest(arguments: &DevicesArguments) -> Exit {
     match &suggestion.table {
         Some(table) => terminal::answer(&declaration(table, &suggestion, limits)),
         None => {
-            let (most, plural) = (suggestion.most, if suggestion.most == 1 { "" } else { "s" });
             eprintln!(
-                "{robots} robots do not fit: with a margin of {} and a source of {} at most {most} robot{plural} can be told apart",
+                "{robots} robots do not fit: with a margin of {} and a source of {} at most {} can be told apart",
                 volts(margin_v),
-                volts(max_v)
+                volts(max_v),
+                count(suggestion.most, "robot")
             );
             Exit::Errors
         }

@@ -7,6 +7,7 @@
 use crate::claims::dimibot::in_scene_um;
 use crate::device::dimibot::{DimibotFacts, LatticeCell};
 use crate::geometry::shape::{Pose, Shape};
+use nalgebra::{Point2, Vector2};
 
 /// A robot placed in its scene.
 #[derive(Debug, Clone)]
@@ -19,7 +20,7 @@ pub struct PlacedRobot {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Area {
     /// In order around the rectangle.
-    corners: [[f64; 2]; 4],
+    corners: [Point2<f64>; 4],
     low: [f64; 2],
     high: [f64; 2],
 }
@@ -30,7 +31,7 @@ impl PlacedRobot {
         let (low, high) =
             (LatticeCell::new(from.x & to.x, from.y & to.y), LatticeCell::new(from.x | to.x, from.y | to.y));
         let around = [low, LatticeCell::new(high.x, low.y), high, LatticeCell::new(low.x, high.y)];
-        let corners = around.map(|cell| in_scene_um(self.facts.place_um(cell), Some(&self.frame)));
+        let corners = around.map(|cell| Point2::from(in_scene_um(self.facts.place_um(cell), Some(&self.frame))));
         let extreme = |pick: fn(f64, f64) -> f64| {
             [0, 1].map(|axis| corners[1..].iter().fold(corners[0][axis], |value, corner| pick(value, corner[axis])))
         };
@@ -45,8 +46,8 @@ impl PlacedRobot {
     /// An obstacle that contains all points within a distance of an area of this robot.
     pub fn obstacle(&self, area: &Area, around_um: f64) -> (Shape, Pose) {
         let [a, b, c, d] = area.corners;
-        let size_um = [length(minus(b, a)), length(minus(d, a))];
-        let (x_um, y_um) = ((a[0] + c[0]) / 2.0, (a[1] + c[1]) / 2.0);
+        let size_um = [(b - a).norm(), (d - a).norm()];
+        let (x_um, y_um) = ((a.x + c.x) / 2.0, (a.y + c.y) / 2.0);
         let pose = Pose { x_um, y_um, heading_rad: self.frame.heading_rad };
         let shape = match size_um {
             [0.0, 0.0] => Shape::Disc { radius_um: around_um },
@@ -79,10 +80,10 @@ impl Area {
     /// Whether a line parallel or perpendicular to one of its edges separates it from another area.
     fn is_parted_from(&self, other: &Area) -> bool {
         edges(&self.corners).any(|[from, to]| {
-            let way = minus(to, from);
-            [[-way[1], way[0]], way].into_iter().any(|normal| {
+            let way = to - from;
+            [Vector2::new(-way.y, way.x), way].into_iter().any(|normal| {
                 let reach = |area: &Area| {
-                    let along = area.corners.map(|corner| dot(minus(corner, from), normal));
+                    let along = area.corners.map(|corner| (corner - from).dot(&normal));
                     let least = along.iter().copied().fold(f64::INFINITY, f64::min);
                     [least, along.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
                 };
@@ -97,26 +98,14 @@ impl Area {
     }
 }
 
-fn edges(corners: &[[f64; 2]; 4]) -> impl Iterator<Item = [[f64; 2]; 2]> + use<> {
+fn edges(corners: &[Point2<f64>; 4]) -> impl Iterator<Item = [Point2<f64>; 2]> + use<> {
     let [a, b, c, d] = *corners;
     [[a, b], [b, c], [c, d], [d, a]].into_iter()
 }
 
-fn to_edge(point: [f64; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
-    let (way, off) = (minus(to, from), minus(point, from));
-    let square = dot(way, way);
-    let share = if square > 0.0 { (dot(off, way) / square).clamp(0.0, 1.0) } else { 0.0 };
-    length(minus(off, [share * way[0], share * way[1]]))
-}
-
-fn minus(one: [f64; 2], other: [f64; 2]) -> [f64; 2] {
-    [one[0] - other[0], one[1] - other[1]]
-}
-
-fn dot(one: [f64; 2], other: [f64; 2]) -> f64 {
-    one[0] * other[0] + one[1] * other[1]
-}
-
-fn length(way: [f64; 2]) -> f64 {
-    dot(way, way).sqrt()
+fn to_edge(point: Point2<f64>, [from, to]: [Point2<f64>; 2]) -> f64 {
+    let (way, off) = (to - from, point - from);
+    let square = way.norm_squared();
+    let share = if square > 0.0 { (off.dot(&way) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (off - way * share).norm()
 }

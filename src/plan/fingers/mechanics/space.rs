@@ -11,7 +11,7 @@
 
 use super::load::{Across, GripDemand, Wrench};
 use super::model::GripModel;
-use super::pair::{ForceCone, LineForce};
+use super::pair::{ForceCone, LineForce, dot};
 use super::simplex;
 use super::{Contact, TOLERANCE};
 
@@ -286,8 +286,4 @@ fn program(grip: &GripModel, touch: [&Contact; 3], across: &Across, wrench: &Wre
         }
     }
     conditions
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
 }

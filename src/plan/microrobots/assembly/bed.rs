@@ -89,11 +89,8 @@ impl<'a> AssemblyState<'a> {
     fn poses_after(&self, legs: &[Leg]) -> Vec<Pose> {
         let mut poses = self.poses.clone();
         for leg in legs {
-            let arms = &self.order.states[leg.state].arms;
             for robot in self.others(&[]) {
-                let facts = self.robot(robot);
-                let way_um = facts.step_um * leg.strokes as f64;
-                poses[robot] = facts.moved(poses[robot], arms[self.order.robots[robot].row], way_um);
+                poses[robot] = leg.carried(self.order, robot, poses[robot]);
             }
         }
         poses

@@ -35,11 +35,7 @@ pub struct StrategySolid {
 
 impl StrategySolid {
     fn new(name: String, core: Core, radius_um: f64) -> Self {
-        let points: Vec<Point2<f64>> = match &core {
-            Core::Point(point) => vec![*point],
-            Core::Segment(ends) => ends.to_vec(),
-            Core::Polygon(corners) => corners.clone(),
-        };
+        let points = core.corners();
         let sum = points.iter().fold(nalgebra::Vector2::zeros(), |sum, point| sum + point.coords);
         let middle = Point2::from(sum / points.len().max(1) as f64);
         let reach_um = points.iter().map(|point| (point - middle).norm()).fold(0.0, f64::max) + radius_um;
@@ -62,16 +58,8 @@ impl StrategySolid {
     pub fn is_ahead(&self, robot: &Robot, goal: Pose) -> bool {
         let (sin, cos) = goal.heading_rad.sine_cosine();
         let ahead_um = |point: &Point2<f64>| (point.x - goal.x_um) * cos + (point.y - goal.y_um) * sin;
-        let nearest_um = self.points().iter().map(ahead_um).fold(f64::INFINITY, f64::min) - self.radius_um;
+        let nearest_um = self.core.corners().iter().map(ahead_um).fold(f64::INFINITY, f64::min) - self.radius_um;
         nearest_um >= robot.length_um / 2.0 - TOUCHING_UM
-    }
-
-    fn points(&self) -> &[Point2<f64>] {
-        match &self.core {
-            Core::Point(point) => std::slice::from_ref(point),
-            Core::Segment(ends) => ends,
-            Core::Polygon(corners) => corners,
-        }
     }
 
     /// Distance of a body from it; exact below `enough_um`, and a lower bound beyond.

@@ -1,7 +1,7 @@
 //! A robot's body as an oriented rectangle, and its distances.
 
 use crate::geometry::distance::{Segment, crosses, point_outline, quadrilateral_core};
-use crate::geometry::{Core, Pose, Rounded};
+use crate::geometry::{Pose, Rounded};
 use crate::real::Real;
 use nalgebra::Point2;
 
@@ -63,16 +63,11 @@ impl OrientedRectangle {
     /// As [`Self::to_rounded_um`], or something less that is above `enough_um`: how far the body lies beyond one of the sides, which is much
     /// cheaper to know.
     pub fn nearly_to_rounded_um(&self, body: &Rounded, enough_um: f64) -> f64 {
-        let points = match &body.core {
-            Core::Point(point) => std::slice::from_ref(point),
-            Core::Segment(ends) => ends.as_slice(),
-            Core::Polygon(corners) => corners.as_slice(),
-        };
         let [a_um, b_um] = self.half_um;
         let (mut back_um, mut front_um, mut right_um, mut left_um) =
             (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY);
         let mut nearest_um2 = f64::INFINITY;
-        for point in points {
+        for point in body.core.corners() {
             let [along_um, aside_um] = self.local([point.x, point.y]);
             (back_um, front_um) = (back_um.min(along_um), front_um.max(along_um));
             (right_um, left_um) = (right_um.min(aside_um), left_um.max(aside_um));
