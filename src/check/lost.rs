@@ -35,6 +35,9 @@ impl<'s> LostWords<'s> {
         let Some(lost) = self.0.get(&span.file) else { return false };
         let is_of_name = matches!(finding.code, Code::E0201 | Code::E0211 | Code::E0532 | Code::E0559);
         let is_of_image = finding.code == Code::E0570;
-        is_of_name && words(sources.text(span)).any(|word| lost.contains(word)) || is_of_image && lost.contains("image")
+        // Some of these codes are also about whole steps.
+        let name = sources.text(span);
+        let is_lost = !name.contains(char::is_whitespace) && words(name).any(|word| lost.contains(word));
+        is_of_name && is_lost || is_of_image && lost.contains("image")
     }
 }
