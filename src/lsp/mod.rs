@@ -444,7 +444,11 @@ impl Session<'_> {
             let Some(is_saved) = self.open.get(&path).map(|document| document.is_saved) else { continue };
             let is_on_disk = is_saved && self.is_on_disk(&path);
             let Some(document) = self.open.get_mut(&path) else { continue };
-            if is_on_disk == document.ticket.is_some() {
+            let is_settled = match document.ticket {
+                Some(_) => is_on_disk,
+                None => !is_on_disk && !document.plans.has_hints() && !document.plans.has_findings(),
+            };
+            if is_settled {
                 continue;
             }
             has_lost_hints |= is_saved && document.plans.has_hints();

@@ -216,6 +216,7 @@ const FIELDS: &[VocabularyField] = &[
     defaulted(
         "peak_distance",
         positive(Dimension::NUMBER),
+        // Figure 7 of the paper on microparts.
         DefaultFigure::new(1.0, ""),
         "distance of centres, over the radius, at which an electrode pulls hardest",
     ),

@@ -133,6 +133,7 @@ pub const MACHINE_CONTROLLER: &[VocabularyField] = &[
 const HIGH: VocabularyField = defaulted(
     "voltage",
     positive(Dimension::VOLTAGE),
+    // Of TTL, and of most digital lines.
     DefaultFigure::new(5.0, "V"),
     "voltage of the high level; low is 0 V",
 );
