@@ -56,15 +56,25 @@ impl Library for Overlay<'_> {
     }
 }
 
-/// The findings of the program of a path, which is one of the open texts, and its figures if there is no error.
+/// What the checker finds of an open program.
+#[derive(Default)]
+pub struct OpenFindings {
+    pub found: Vec<lsp_types::Diagnostic>,
+    /// If there is no error.
+    pub figures: CheckedFigures,
+    /// The files that it reads from open texts, itself among them.
+    pub read: BTreeSet<PathBuf>,
+}
+
+/// Checks the program of a path, which is one of the open texts.
 pub fn of(
     path: &Path,
     uri: &Uri,
     texts: &BTreeMap<PathBuf, &str>,
     disk: &dyn Library,
     unit: ColumnUnit,
-) -> (Vec<lsp_types::Diagnostic>, CheckedFigures) {
-    let Some(text) = texts.get(path) else { return (Vec::new(), CheckedFigures::default()) };
+) -> OpenFindings {
+    let Some(text) = texts.get(path) else { return OpenFindings::default() };
     let name = text::file_name(path);
     let library = Overlay::round(path, texts, disk);
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
@@ -74,7 +84,13 @@ pub fn of(
     let shown = ShownProgram { uri, own: &own, library: &library, sources: &sources, unit };
     let figures = checked.zip(shown.own_file()).map(|(checked, own)| CheckedFigures::of(&checked, own));
     let found = sink.sorted().into_iter().map(|diagnostic| shown.diagnostic(diagnostic)).collect();
-    (found, figures.unwrap_or_default())
+    OpenFindings { found, figures: figures.unwrap_or_default(), read: read_of(path, &sources, &library) }
+}
+
+fn read_of(path: &Path, sources: &Sources, library: &Overlay) -> BTreeSet<PathBuf> {
+    let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
+    let open = own.map(|(_, file)| library.path(&file.name)).filter(|path| library.texts.contains_key(path));
+    open.chain([path.to_owned()]).collect()
 }
 
 /// The findings of the program of a path as the compiler has them, and the files that it reads from open texts, itself among them.
@@ -86,8 +102,7 @@ fn looked_at(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -
         let library = Overlay::round(path, texts, disk);
         let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
         check_program(&request, &mut sources, &mut sink);
-        let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
-        read.extend(own.map(|(_, file)| library.path(&file.name)).filter(|path| texts.contains_key(path)));
+        read = read_of(path, &sources, &library);
     }
     (sink, read)
 }

@@ -24,7 +24,7 @@ mod tests;
 pub use planning::{PLANNED, PlanningResult, ProgramPlanner};
 
 use crate::check::imports::Library;
-use findings::Overlay;
+use findings::{OpenFindings, Overlay};
 use hints::CheckedFigures;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use lsp_types::notification::{
@@ -207,8 +207,6 @@ impl Session<'_> {
     /// Sends the findings of the texts as they are, if one has changed since they were sent.
     fn settle(&mut self) {
         if self.is_changed {
-            self.follow_disk();
-            self.is_changed = false;
             self.publish_all();
         }
     }
@@ -314,7 +312,8 @@ impl Session<'_> {
                 document.is_saved = true;
                 // Others may use this file.
                 self.open.values_mut().for_each(|document| document.ticket = None);
-                self.follow_disk();
+                let read = self.open_files_read();
+                self.follow_disk(&read);
             }
             PLANNED => {
                 let Some(result) = read::<PlanningResult>(notice.params) else { return };
@@ -337,13 +336,21 @@ impl Session<'_> {
     /// Checks every open program: a change of one may concern those that use it.
     fn publish_all(&mut self) {
         let texts = self.texts();
+        let mut all_found = Vec::with_capacity(texts.len());
         let mut all_figures = Vec::with_capacity(texts.len());
+        let mut read = BTreeMap::new();
         for (path, document) in &self.open {
-            let (mut found, mut figures) = (Vec::new(), CheckedFigures::default());
+            let mut checked = OpenFindings::default();
             (self.round)(path, &mut |disk| {
-                (found, figures) = findings::of(path, &document.uri, &texts, disk, self.unit);
+                checked = findings::of(path, &document.uri, &texts, disk, self.unit);
             });
-            all_figures.push(figures);
+            all_found.push(checked.found);
+            all_figures.push(checked.figures);
+            read.insert(path.clone(), checked.read);
+        }
+        self.follow_disk(&read);
+        self.is_changed = false;
+        for ((path, document), mut found) in self.open.iter().zip(all_found) {
             found.extend(document.plans.diagnostics(path, &document.uri, &document.text, self.unit, &found));
             self.publish(document.uri.clone(), found, Some(document.version));
         }
@@ -436,14 +443,13 @@ impl Session<'_> {
 /// Plans of saved programs.
 impl Session<'_> {
     /// Begins to plan each program that is on the disk, with all open files that it uses, as it is here: there the planner reads them.
-    /// Takes the plans from those that are not.
-    fn follow_disk(&mut self) {
+    /// Takes the plans from those that are not. `read` has the open files that each program reads.
+    fn follow_disk(&mut self, read: &BTreeMap<PathBuf, BTreeSet<PathBuf>>) {
         let mut has_lost_hints = false;
-        let paths: Vec<PathBuf> = self.open.keys().filter(|path| path.is_absolute()).cloned().collect();
-        for path in paths {
-            let Some(is_saved) = self.open.get(&path).map(|document| document.is_saved) else { continue };
-            let is_on_disk = is_saved && self.is_on_disk(&path);
-            let Some(document) = self.open.get_mut(&path) else { continue };
+        for (path, read) in read.iter().filter(|(path, _)| path.is_absolute()) {
+            let Some(is_saved) = self.open.get(path).map(|document| document.is_saved) else { continue };
+            let is_on_disk = is_saved && self.are_on_disk(read);
+            let Some(document) = self.open.get_mut(path) else { continue };
             let is_settled = match document.ticket {
                 Some(_) => is_on_disk,
                 None => !is_on_disk && !document.plans.has_hints() && !document.plans.has_findings(),
@@ -458,9 +464,9 @@ impl Session<'_> {
             match document.ticket {
                 Some(ticket) => {
                     self.tickets = ticket;
-                    self.planner.start(&path, ticket);
+                    self.planner.start(path, ticket);
                 }
-                None => self.planner.stop(&path),
+                None => self.planner.stop(path),
             }
         }
         if has_lost_hints {
@@ -477,12 +483,23 @@ impl Session<'_> {
         }
     }
 
-    /// Whether what a program reads from open texts is the same on the disk.
-    fn is_on_disk(&self, path: &Path) -> bool {
+    /// The open files that each saved program reads.
+    fn open_files_read(&self) -> BTreeMap<PathBuf, BTreeSet<PathBuf>> {
         let texts = self.texts();
-        let mut read = BTreeSet::new();
-        (self.round)(path, &mut |disk| read = findings::read_from(path, &texts, disk));
-        read.iter().all(|path| {
+        let saved = self.open.iter().filter(|(_, document)| document.is_saved);
+        saved
+            .map(|(path, _)| {
+                let mut read = BTreeSet::new();
+                (self.round)(path, &mut |disk| read = findings::read_from(path, &texts, disk));
+                (path.clone(), read)
+            })
+            .collect()
+    }
+
+    /// Whether open texts are the same on the disk.
+    fn are_on_disk(&self, paths: &BTreeSet<PathBuf>) -> bool {
+        let texts = self.texts();
+        paths.iter().all(|path| {
             let name = text::file_name(path);
             let mut is_same = false;
             // Editors keep a mark of the order of bytes to themselves.
