@@ -1,11 +1,13 @@
-//! Index from a row (or column) to the obstacles that may meet it.
+//! Index from a line (row or column) to the obstacles that may meet it. Neighbouring lines are grouped into bands of
+//! equal size.
 //!
-//! Input: for each obstacle the first and last line it may meet. Output: for a line, a slice of candidates in ascending order.
-//! Promise: no candidate is missing; memory stays under [`MAX_ENTRIES`] plus two entries per obstacle.
+//! Input: for each obstacle the first and last line that it may meet. Output: for a line, a slice of candidates in
+//! ascending order.
+//! Guarantees: no candidate is missing; memory stays under [`MAX_ENTRIES`] plus two entries per obstacle.
 
 /// Largest number of (band, obstacle) pairs kept before the bands are made coarser.
 const MAX_ENTRIES: u64 = 1 << 22;
-/// Number of bands at most, unless there are more obstacles.
+/// Number of bands aimed for, or twice the number of obstacles if that is larger.
 const MIN_BANDS: usize = 1 << 12;
 
 pub(super) struct Bands {
@@ -54,7 +56,7 @@ impl Bands {
         &self.items[self.starts[band] as usize..self.starts[band + 1] as usize]
     }
 
-    /// Bands that meet the inclusive range of lines, clipped to the lattice.
+    /// The candidates of each band that meets the inclusive range of lines, clipped to the lattice.
     pub(super) fn between(&self, first: u32, last: u32) -> impl Iterator<Item = &[u32]> {
         let bands = (self.starts.len() - 1) as u32;
         let meeting = first >> self.shift..(last >> self.shift).saturating_add(1).min(bands);

@@ -1,10 +1,10 @@
 //! Coarse abstraction of a field: blocks of cells, and the flips that exist between blocks.
 //!
-//! A module whose stroke is at least a block wide leads from block to block; one with a smaller stroke stays within its block. The
-//! abstraction keeps a flip between two blocks if any of their cells has it. So a path between cells costs at least the distance
-//! between their blocks plus the weights of the fine modules that differ (an admissible heuristic), and blocks that are not
-//! connected prove that there is no path. It is built once per field from the free runs of all lines; a row of blocks is finished
-//! as soon as all its flips are known to exist.
+//! A module whose stroke is at least a block wide (coarse) leads from block to block; one with a smaller stroke (fine)
+//! stays within its block. A flip exists between two blocks if it is legal between any of their cells. So a path
+//! between cells costs at least the distance between their blocks plus the weights of the fine modules that differ (an
+//! admissible heuristic), and there is no path between blocks that are not connected. The abstraction is built once per
+//! field from the free runs of all lines; a row of blocks is finished as soon as all its flips are known to exist.
 
 use super::lattice::{Side, SwitchWeights, bits};
 use super::lines::LineReader;
@@ -12,22 +12,23 @@ use super::lines::LineReader;
 /// Coarse modules of each side in the finest abstraction: 1024 by 1024 blocks.
 const MAX_COARSE: u32 = 10;
 const WORDS: usize = 1 << (MAX_COARSE - 6);
-/// Lines computed for one field; beyond them all flips of blocks are assumed to exist, which keeps the bound admissible.
+/// Most lines computed for one field; beyond them all flips of blocks are assumed to exist, which keeps the bound
+/// admissible.
 const MAX_LINES: u64 = 1 << 22;
 
-/// Which flips exist between blocks.
+/// Block abstraction of a field: the flips that exist between blocks.
 pub(super) struct Blocks {
     /// Modules whose stroke is smaller than a block, by side.
     pub(super) fine: [u32; 2],
     /// The other modules, by side.
     pub(super) coarse: [u32; 2],
-    /// By block (y, x): the coarse modules of each side that may switch somewhere in it.
+    /// Indexed by block (y in the high bits): the coarse modules of each side that may switch somewhere in it.
     flips: Vec<[u16; 2]>,
-    /// By block: the number of its component.
+    /// Indexed by block: its connected component.
     component: Vec<u32>,
 }
 
-/// For each coarse module, the set of blocks of a row in which it may switch.
+/// For each coarse module, the blocks of a row in which it may switch, as a bit set.
 type Exist = [[u64; WORDS]; MAX_COARSE as usize];
 
 impl Blocks {
@@ -119,7 +120,7 @@ impl Blocks {
         (y << self.coarse[0] | x) as usize
     }
 
-    /// The number of the block of a cell, y above x.
+    /// Index of a cell's block, y in the high bits.
     #[inline]
     pub(super) fn block(&self, [x, y]: [u32; 2]) -> u32 {
         y >> self.fine[1] << self.coarse[0] | x >> self.fine[0]
@@ -132,7 +133,7 @@ impl Blocks {
         u32::from(left) | u32::from(right) << self.coarse[0]
     }
 
-    /// Whether a path between the two blocks exists.
+    /// Whether the two blocks are connected in the abstraction.
     pub(super) fn connected(&self, a: u32, b: u32) -> bool {
         self.component[a as usize] == self.component[b as usize]
     }
@@ -144,8 +145,8 @@ impl Blocks {
     }
 }
 
-/// For each coarse module that may switch in the free run, the blocks from which it leads upward; the caller must drop those whose
-/// bit is 1.
+/// For each coarse module whose stroke fits in the free run, the inclusive range of blocks from which it leads upward;
+/// the caller must drop the blocks whose bit of that module is 1.
 fn from_blocks([low, high]: [u32; 2], fine: u32, coarse: u32) -> impl Iterator<Item = (u32, [u32; 2])> {
     let strokes = (0..coarse).map(move |i| (i, 1 << (fine + i)));
     strokes
@@ -153,7 +154,8 @@ fn from_blocks([low, high]: [u32; 2], fine: u32, coarse: u32) -> impl Iterator<I
         .map(move |(i, stroke)| (i, [low >> fine, (high - stroke) >> fine]))
 }
 
-/// Adds the flips of module `i` upward from the blocks of the range whose bit is 0, and back.
+/// Adds the flips of module `i`, in both directions, between the blocks of the range whose bit `i` is 0 and the blocks
+/// above them.
 fn add(set: &mut [u64; WORDS], i: u32, [first, last]: [u32; 2]) {
     let mut from = [0; WORDS];
     fill(&mut from, first, last);
@@ -183,7 +185,8 @@ fn fill(set: &mut [u64; WORDS], first: u32, last: u32) {
     }
 }
 
-/// Distances of all blocks to one of them: Dijkstra's algorithm, with a cursor per distinct weight through the settled blocks in place of a heap.
+/// Distances of all blocks to one of them, by Dijkstra's algorithm. Each distinct weight has a cursor into the list of
+/// settled blocks, which takes the place of a heap.
 #[derive(Default)]
 pub(super) struct BlockDistances {
     /// By block: distance to the origin, or [`UNKNOWN`].
@@ -246,7 +249,7 @@ impl BlockDistances {
         heads.filter_map(|(c, class)| Some((head(class)?, c))).min()
     }
 
-    /// Follows the flips of one weight that lead to blocks at this distance.
+    /// Settles the blocks at this distance to which flips of one weight lead.
     fn follow(&mut self, blocks: &Blocks, distance: u64, class: usize) {
         let Class { weight, mask, mut cursor } = self.classes[class];
         while let Some(&from) = self.settled.get(cursor).filter(|s| s.distance + weight == distance) {

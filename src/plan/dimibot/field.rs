@@ -6,7 +6,8 @@ use super::lines::{BlockedLines, LineReader};
 use super::obstacles::{FieldError, FieldObstacle, Obstacles};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A lattice with obstacles. Cheap to query and safe to share; searches of one field take turns.
+/// A lattice with obstacles. Cheap to query and safe to share; searches of one field take turns, since they share its
+/// caches.
 pub struct LatticeField {
     obstacles: Obstacles,
     work: Mutex<Work>,
@@ -45,7 +46,8 @@ impl LatticeField {
         self.touching([cell.x; 2], [cell.y; 2])
     }
 
-    /// Obstacles that touch the segment swept by `flip` from `cell`, ascending. Exactly the flips with none are legal.
+    /// Obstacles that touch the segment swept by `flip` from `cell`, ascending. A flip is legal exactly if there are
+    /// none.
     pub fn blocking(&self, cell: LatticeCell, flip: Flip) -> Vec<usize> {
         let after = cell.after(flip);
         self.touching([cell.x & after.x, cell.x | after.x], [cell.y & after.y, cell.y | after.y])
@@ -62,7 +64,8 @@ impl LatticeField {
         self.obstacles.rectangle_free(x, y)
     }
 
-    /// Precomputes for the first non-trivial search: the block abstraction and, for up to 13 modules a side, all lines.
+    /// Precomputes what the first non-trivial search needs: the block abstraction and, for up to 13 modules a side, all
+    /// lines.
     pub fn prepare(&self) {
         let mut work = self.work();
         let (mut reader, space) = work.open(self);

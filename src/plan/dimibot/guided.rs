@@ -18,7 +18,7 @@ const NONE: u32 = u32::MAX;
 /// Most cells settled; keeps indices within 32 bits.
 const MAX_ENTRIES: usize = 1 << 30;
 
-/// Space of a search.
+/// State space of a search: the cells of a lattice, or the blocks of an abstraction.
 pub(super) trait SearchSpace {
     /// Number of modules of each side.
     fn modules(&self) -> [u32; 2];
@@ -49,7 +49,7 @@ impl SearchSpace for &Blocks {
     }
 }
 
-/// A consistent lower bound on the cost to the target, without the fine modules that differ.
+/// A consistent lower bound on the cost to the target, not counting the fine modules that differ.
 pub(super) trait Guide {
     /// Fine modules of each side, which the bound does not cover.
     fn fine(&self) -> [u32; 2];
@@ -92,7 +92,7 @@ struct SettledCell {
     excess: i64,
 }
 
-/// Lists kept between searches.
+/// Buffers reused by successive searches.
 #[derive(Default)]
 pub(super) struct Lists {
     queue: RadixQueue<QueueEntry>,
@@ -106,7 +106,7 @@ pub(super) enum SearchEnd {
     Found,
     /// All reachable cells were settled; this many.
     Exhausted(u64),
-    /// The companion has proven that there is no path.
+    /// The companion stopped the search: it has proven that there is no path.
     Stopped,
     /// The budget ran out; this was the least excess left.
     OutOfBudget(u64),
@@ -124,7 +124,8 @@ pub(super) struct GuidedSearch<'a, G, H> {
 }
 
 impl<G: SearchSpace, H: Guide> GuidedSearch<'_, G, H> {
-    /// Runs from a cell that may differ from the target; `companion` is called for each settled cell and may stop the search.
+    /// Searches a path from `start` to the target. `companion` is called for each settled cell; returning `false` stops
+    /// the search.
     pub(super) fn run(
         &mut self,
         start: [u32; 2],
@@ -238,7 +239,8 @@ impl Lists {
         self.settled.begin(modules);
     }
 
-    /// Cells settled by the last search, run without greed, with their excess, in ascending order of excess.
+    /// Cells settled by the last search with their excess, in ascending order of excess. That search must have had a
+    /// greed of one.
     pub(super) fn settled(&self) -> impl Iterator<Item = ([u32; 2], u64)> {
         self.entries.iter().map(|s| (s.entry.at, s.excess as u64))
     }

@@ -1,8 +1,8 @@
-//! One job of a DiMiBot: its steps planned as a whole, first by the objective alone, then within the limits if that plan misses
-//! one.
+//! Planner of one DiMiBot job. Its steps are planned as a whole: first for the objective alone, then, if that plan
+//! exceeds a limit, within the limits.
 //!
-//! A plan within limits is the best of those that keep them all. Where there is none, the report on a limit states what the search
-//! within all other limits has shown.
+//! A plan within limits is the best one that keeps them all. If there is none, the report on each exceeded limit states
+//! what a search within all the other limits has shown.
 
 use super::reach::reached;
 use super::{
@@ -99,7 +99,7 @@ fn body(body: &DimibotObstacleBody, growth_um: f64) -> FieldObstacle {
     }
 }
 
-/// State that the plans of a schedule hand on to later jobs.
+/// State carried from job to job of a schedule.
 #[derive(Default)]
 pub struct DimibotStandings {
     /// Cell of each robot, by device.
@@ -108,14 +108,14 @@ pub struct DimibotStandings {
 }
 
 impl DimibotStandings {
-    /// One robot in a cell.
+    /// State of a single robot that stands in a cell.
     pub fn at(device: &str, cell: LatticeCell) -> DimibotStandings {
         DimibotStandings { cells: BTreeMap::from([(device.to_owned(), cell)]), fields: SceneFields::default() }
     }
 }
 
 impl KindPlanner for DimibotOrder {
-    /// The last of the places of a `visit`.
+    /// The planner chooses the last place of a `visit` with more than one place.
     fn chooses_its_end(&self) -> bool {
         self.steps.iter().any(|step| match &step.action {
             DimibotAction::Visit(stops) => stops.len() > 1,
@@ -179,7 +179,7 @@ fn start(job: &Job, order: &DimibotOrder, stands: Option<LatticeCell>, sink: &mu
     }
 }
 
-/// The last fixed goal of an order.
+/// Last stop of an order, as written.
 fn end_of(order: &DimibotOrder) -> Option<LatticeCell> {
     order.steps.iter().rev().find_map(|step| match &step.action {
         DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.last().map(|stop| stop.cell),
@@ -229,7 +229,7 @@ impl<'a> DimibotTaskSearch<'a> {
     fn begins_clear(&self, sink: &mut Sink) -> bool {
         let covering = self.scene.field.covering(self.start);
         if !covering.is_empty() {
-            // Of a robot at home that was known before planning.
+            // A covered home was reported before planning, so the last task has left the robot there.
             sink.push(self.order.start_covered(StandingTip::LeftThere(self.start), &covering, self.job));
         }
         covering.is_empty()
@@ -271,7 +271,7 @@ impl<'a> DimibotTaskSearch<'a> {
         self.order.planner.method == DimibotMethod::StagedAstar
     }
 
-    /// Upper limits on the figures from all limits but one; `None` if no figures satisfy them.
+    /// Upper limits on the figures from all requirements except `but`; `None` if no figures satisfy them.
     fn limits(&self, but: Option<&Requirement>) -> Option<MotionTally> {
         let mut limits = MotionTally::MAX;
         for requirement in &self.job.requirements {
@@ -296,7 +296,7 @@ impl<'a> DimibotTaskSearch<'a> {
         Some(limits)
     }
 
-    /// What is known of a limit that no plan was found to keep together with the others.
+    /// Facts about a limit for which no plan was found that keeps it together with the others.
     fn known(&self, router: &mut Router, requirement: &Requirement, is_proven: bool) -> KnownLimit {
         let Some(objective) = objective_of(&requirement.outcome) else { return KnownLimit::default() };
         let others = self.limits(Some(requirement));
@@ -320,7 +320,7 @@ impl<'a> DimibotTaskSearch<'a> {
         KnownLimit { none_keeps_all: is_proven, least, other: other.map(|plan| plan.map(drop)), advice }
     }
 
-    /// What a plan for the objective alone proves about a limit that it misses.
+    /// Facts that the best plan for the objective alone proves about a limit that it exceeds.
     fn known_of_published(&self, best: &Route, requirement: &Requirement) -> KnownLimit {
         let is_own = objective_of(&requirement.outcome)
             .is_some_and(|objective| MotionTally::only(objective, 1) == MotionTally::only(self.order.objective, 1));
@@ -471,8 +471,8 @@ fn objective_of(outcome: &str) -> Option<DimibotObjective> {
     DimibotOutcome::find(outcome).map(DimibotOutcome::objective)
 }
 
-/// The largest whole number of units that a limit allows on top of an offset, from an upper limit or the upper side of `==`. `None`
-/// where it allows nothing.
+/// Largest count of which `count * unit + offset` keeps the upper side of a requirement (`<`, `<=` or `==`). `u64::MAX`
+/// if there is no upper side or no count exceeds it, `None` if not even 0 keeps it.
 fn largest(requirement: &Requirement, unit: f64, offset: f64) -> Option<u64> {
     let upper = match requirement.relation {
         Relation::AtLeast | Relation::More => return Some(u64::MAX),

@@ -1,10 +1,11 @@
 //! The Pareto front of paths between two cells in distance and switches, needed for limits on both.
 //!
-//! Problem: the Pareto front of (distance, switches) over paths of single flips, as far as it keeps limits. Method: bi-criteria A*
-//! with constant-time dominance checks (BOA*, Hernández and others 2023): labels leave the queue in order of (distance, switches),
-//! each with its lower bound to the goal, so that a label is dominated if an earlier one of its cell has no more switches. The
-//! bounds are the sums over the modules that differ, which are consistent. Guaranteed: complete unless the budget ran out. One step
-//! of the budget is one switch examined; one that leads to a label takes four more, since labels are kept.
+//! Problem: the Pareto front of (distance, switches) over the paths of single flips within the limits. Method:
+//! bi-criteria A* with constant-time dominance checks (BOA*, Hernández and others 2023): labels leave the queue in
+//! lexicographic order of their lower bounds on (distance, switches) to the goal, so a label is dominated if an earlier
+//! one of its cell has no more switches. The bounds are sums over the modules that differ, which are consistent.
+//! Guaranteed: complete unless the budget ran out. One step of the budget is one switch examined; a switch that leads
+//! to a label costs four more, since labels are kept.
 
 use super::field::LatticeField;
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};

@@ -14,13 +14,13 @@ use crate::claims::dimibot::{DimibotMethod, DimibotObjective};
 use crate::plan::search::{GaveUp, Meter, SearchBudget};
 use rustc_hash::FxHashMap;
 
-/// Steps that may be spent on breaking the ties of one leg, however cheap the leg was.
+/// Minimum tie-breaking budget of a leg, however cheap the leg was.
 const TIE_STEPS: u64 = 1 << 18;
 /// Tie-breaking budget of a leg as a multiple of the steps that found it.
 const TIE_FACTOR: u64 = 4;
-/// Bits of a lexicographic weight that hold the switches of a path, where distance comes first.
+/// Low bits of a lexicographic weight that hold the switches of a path, if distance comes first.
 const SWITCH_BITS: u32 = 28;
-/// The same for the distance of a path, where switches come first.
+/// Low bits of a lexicographic weight that hold the distance of a path, if switches come first.
 const DISTANCE_BITS: u32 = 40;
 /// A path with at most this many switches has a distance below 2^[`DISTANCE_BITS`].
 const MAX_SWITCHES: u64 = 1 << 20;
@@ -90,7 +90,7 @@ impl<'a> Legs<'a> {
         }
     }
 
-    /// The objective whose ranking of paths equals that of this one.
+    /// Class of the objectives that rank paths as this one does.
     fn rank(&self, objective: DimibotObjective) -> ObjectiveRank {
         match objective {
             DimibotObjective::Distance => ObjectiveRank::Distance,
@@ -124,7 +124,7 @@ impl<'a> Legs<'a> {
         Ok(best)
     }
 
-    /// All legs that may be part of a best task within these limits.
+    /// Pareto front of the legs that may be part of a best route within these limits.
     pub(super) fn front(
         &mut self,
         ends: [LatticeCell; 2],
@@ -175,7 +175,8 @@ impl<'a> Legs<'a> {
         Ok(Best { tally, pulses, bound, is_exact })
     }
 
-    /// First the best by the objective alone, for which the stages are built; then, where ties may remain, by all figures.
+    /// Searches for the objective alone first, which is the problem that the staged search is built for; then, if ties
+    /// may remain, for all figures in lexicographic order.
     fn by_stages(&self, [from, to]: [LatticeCell; 2], rank: ObjectiveRank, meters: &mut Meters) -> Result<Best, NoLeg> {
         let weights = self.weights(rank);
         let path = match shortest(self.field, from, to, &weights[0], meters.find.left()) {
@@ -246,7 +247,7 @@ impl<'a> Legs<'a> {
         NoLeg::GaveUp(report)
     }
 
-    /// A path as a leg; certain to be exact only if no module switches twice.
+    /// Converts a path to a leg, which is known to be exact only if no module switches twice.
     fn of_path(&self, path: &FlipPath, bound: u64) -> Best {
         let pulses: Vec<ModulePulse> = path.flips.iter().copied().map(single).collect();
         let tally = MotionTally::sum(self.field.lattice(), &pulses);

@@ -1,12 +1,12 @@
-//! Free and blocked runs of the lines of a lattice, computed when first asked for.
+//! Free and blocked runs of the lines of a lattice, computed on first use.
 //!
-//! Up to [`EAGER_MODULES`] modules the lines are kept in an array, above in a hash map.
+//! Up to [`EAGER_MODULES`] modules the lines are kept in an array, above that in a hash map.
 
 use super::lattice::{Lattice, Side};
 use super::obstacles::Obstacles;
 use rustc_hash::FxHashMap;
 
-/// Up to this many modules the lines of a side are looked up in an array.
+/// Most modules of a side for which the lines of the other side are kept in an array.
 const EAGER_MODULES: u32 = 13;
 /// Blocked runs kept by the cache of lines before it is emptied.
 const MAX_CACHED_RUNS: usize = 1 << 24;
@@ -17,7 +17,7 @@ pub(super) struct LineReader<'a> {
     pub(super) lines: &'a mut [BlockedLines; 2],
 }
 
-/// The blocked runs of the lines queried so far, in slots, sorted and disjoint.
+/// The blocked runs of the lines queried so far, in slots (cells and gaps), sorted and disjoint.
 pub(super) struct BlockedLines {
     store: Store,
     runs: Vec<[u32; 2]>,
@@ -34,7 +34,7 @@ enum Store {
 const UNKNOWN: u32 = u32::MAX;
 
 impl BlockedLines {
-    /// Those of a side, none computed yet; `modules` is the number of the other side's.
+    /// Empty cache for the lines of one side; `modules` is the number of modules of the other side.
     pub(super) fn new(modules: u32) -> Self {
         let store = match modules <= EAGER_MODULES {
             true => Store::Array(Vec::new()),

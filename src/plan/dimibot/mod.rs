@@ -1,9 +1,10 @@
-//! Planner of the digital microrobot (DiMiBot): from one cell of the lattice to another, one bistable module at a time or several
-//! in one pulse.
+//! Planner of the digital microrobot (DiMiBot): moves the tip between cells of the lattice by switching bistable
+//! modules, one at a time or several in one pulse.
 //!
-//! Input: a [`LatticeField`] (lattice and obstacles), cells, [`SwitchWeights`] and a budget. Output: a [`DimibotAnswer`].
-//! Promise: a plan never touches an obstacle enlarged by its growth and [`SAFETY_MARGIN_UM`]; `Impossible` is a proof; costs are
-//! optimal where `cost == bound`.
+//! Input: a [`LatticeField`] (lattice and obstacles), cells, [`SwitchWeights`] and a budget. Output: a
+//! [`DimibotAnswer`].
+//! Guarantees: a plan never touches an obstacle grown by its own growth and [`SAFETY_MARGIN_UM`]; `Impossible` is a
+//! proof; costs are optimal where `cost == bound`.
 
 mod apart;
 mod bands;

@@ -11,7 +11,8 @@ use crate::geometry::{Pose, Rounded, Shape, ShapeError};
 /// Added to every grown shape, so that float rounding cannot make the verifier, which uses the plain growth, reject a plan.
 pub const SAFETY_MARGIN_UM: f64 = 1e-9;
 
-/// Something the end-effector must not touch. Its index in the list given to [`LatticeField::new`](super::LatticeField::new) is its identity.
+/// Something that the end-effector must not touch. It is identified by its index in the list given to
+/// [`LatticeField::new`](super::LatticeField::new).
 #[derive(Clone, Debug, PartialEq)]
 pub enum FieldObstacle {
     /// All cells with coordinates between `from` and `to`, both included, in either order; cells outside the lattice are ignored.
@@ -39,7 +40,7 @@ pub enum FieldError {
     Shape {
         /// Index of the obstacle.
         obstacle: usize,
-        /// What is wrong with it.
+        /// Error of the shape.
         error: ShapeError,
     },
     /// More than 2^31 obstacles.
@@ -51,7 +52,7 @@ enum FieldBody {
     Grown(Rounded),
 }
 
-/// The obstacles of a lattice, sorted by the lines that they may meet.
+/// The obstacles of a lattice, indexed by the lines that they may meet.
 pub(super) struct Obstacles {
     pub(super) lattice: Lattice,
     bodies: Vec<FieldBody>,
@@ -60,7 +61,7 @@ pub(super) struct Obstacles {
 }
 
 impl Obstacles {
-    /// Sorts the obstacles of a lattice.
+    /// Indexes the obstacles of a lattice.
     ///
     /// # Errors
     /// See [`FieldError`].
@@ -78,7 +79,7 @@ impl Obstacles {
         Ok(Obstacles { lattice, bodies, bands })
     }
 
-    /// Their number.
+    /// Number of obstacles.
     pub(super) const fn len(&self) -> usize {
         self.bodies.len()
     }
@@ -116,13 +117,13 @@ impl Obstacles {
         }
     }
 
-    /// Whether nothing can block a line along a side.
+    /// Whether no obstacle can meet a line along a side.
     #[inline]
     pub(super) fn leave_free(&self, side: Side, line: u32) -> bool {
         self.bands[side.index()].candidates(line).is_empty()
     }
 
-    /// Appends the blocked runs of a line, in slots and in no order; `cuts` is room for work.
+    /// Appends the blocked runs of a line, in slots and in no order; `cuts` is scratch space.
     pub(super) fn line_runs(&self, side: Side, line: u32, runs: &mut Vec<[u32; 2]>, cuts: &mut Vec<[f64; 2]>) {
         let (along, across) = (side.index(), side.other().index());
         let last_slot = 2 * self.lattice.last(side);

@@ -22,7 +22,7 @@ pub struct FlipPath {
 /// No plan exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Impossible {
-    /// Why.
+    /// Kind of proof.
     pub proof: Proof,
     /// Steps of the search.
     pub expanded: u64,
@@ -39,7 +39,8 @@ pub enum Proof {
     StartCovered,
     /// An obstacle covers the goal.
     GoalCovered,
-    /// The blocks of start and goal are not connected, although a flip of a block counts as free if any of its cells has it.
+    /// The blocks of start and goal are not connected, although a flip of a block counts as free if it is legal from
+    /// any of its cells.
     BlocksApart,
     /// The search exhausted the component of the start, which does not contain the goal.
     StartShut {

@@ -1,5 +1,5 @@
-//! Dynamic programme over the stages of a task: for each cell in which a stage may end, the partial routes that may be part of a
-//! best one.
+//! Dynamic programme over the stages of a task. Its state is the cell in which a stage ends; for each state it keeps
+//! the partial routes that may be part of a best route.
 
 use super::labels::LabelFront;
 use super::lattice::{LatticeCell, ModulePulse};
@@ -10,14 +10,14 @@ use crate::claims::dimibot::DimibotObjective;
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
 
-/// Up to this many places the order of a visit is proven best.
+/// Most places of a visit whose order is proven best.
 pub const EXACT_PLACES: usize = 12;
 
 pub(super) const NONE: u32 = u32::MAX;
 /// Table cost of a leg that the limits forbid.
 const FORBIDDEN: u64 = 1 << 44;
 
-/// A part of a task.
+/// One stage of a task.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RouteStage {
     /// To this cell.
@@ -54,12 +54,12 @@ pub struct MissingLeg {
     pub reason: NoLeg,
 }
 
-/// Which partial routes are kept for a state.
+/// Rule for the partial routes that a state keeps.
 #[derive(Clone, Copy)]
 pub(super) enum Mode<'m> {
     /// The best one.
     Best(DimibotObjective),
-    /// A lower bound on all, in the objective's figure only.
+    /// A lower bound on all of them, in the objective's figure only.
     Bound(DimibotObjective),
     /// The Pareto front within the limits. `least` is a lower bound for each stage.
     Front { limits: MotionTally, least: &'m [MotionTally] },
@@ -70,7 +70,7 @@ pub(super) struct ProgrammeNode {
     pub(super) before: u32,
     pub(super) stage: usize,
     pub(super) ends: [LatticeCell; 2],
-    /// Index into the leg's alternatives.
+    /// Index into the alternatives of this leg.
     pub(super) choice: usize,
 }
 
@@ -89,7 +89,7 @@ pub(super) struct Programme<'p> {
     pub(super) nodes: Vec<ProgrammeNode>,
     pub(super) states: Vec<StageEnd>,
     pub(super) fronts: FxHashMap<(usize, LatticeCell, LatticeCell), LabelFront<Vec<ModulePulse>>>,
-    /// Remaining number of joins of partial routes within limits.
+    /// Budget of joins of partial routes and legs within limits.
     pub(super) steps: Meter,
     /// Whether nothing was pruned that may be better in any figure.
     pub(super) is_exact: bool,
@@ -97,7 +97,7 @@ pub(super) struct Programme<'p> {
     pub(super) is_proven: bool,
 }
 
-/// The searches that a stage may use.
+/// Leg searches, budgets and limits of one stage.
 struct Searches<'s, 'f> {
     stage: usize,
     legs: &'s mut Legs<'f>,
@@ -108,7 +108,7 @@ struct Searches<'s, 'f> {
     way_limits: MotionTally,
 }
 
-/// Figures of the legs between each pair of places.
+/// Indexed by the two places: figures of the alternative legs between them.
 type Between = Vec<Vec<Vec<MotionTally>>>;
 
 impl Programme<'_> {
@@ -150,7 +150,7 @@ impl Programme<'_> {
         (without(before.plus(after)), without(after))
     }
 
-    /// The figures of the legs from one cell to another.
+    /// Figures of the alternative legs from one cell to another.
     fn options(
         &mut self,
         ends: [LatticeCell; 2],
@@ -217,7 +217,7 @@ impl Programme<'_> {
         Ok(between)
     }
 
-    /// Adds every extension of a route by every leg to the routes of a state.
+    /// Extends every route by every leg and adds the results to the routes of a state.
     fn join(
         &mut self,
         ways: &mut Vec<WayFigures>,
@@ -280,7 +280,7 @@ impl Programme<'_> {
         places.iter().zip(ends).map(|(cell, ways)| StageEnd { cell: *cell, ways }).collect()
     }
 
-    /// A good order of many places, or bounds on all orders.
+    /// A good order of many places, or a lower bound on all orders.
     fn in_some_order(
         &mut self,
         places: &[LatticeCell],
@@ -380,8 +380,9 @@ fn table(
     TourCosts { costs, end }
 }
 
-/// For each place, a lower bound on routes through all places that end there. If a single cell follows the stage, the bound of the
-/// route up to that cell, minus the leg to it, counts too: the claim concerns their sum.
+/// For each place, a lower bound on the routes through all places that end there. If the next stage is a single cell,
+/// the bound on the routes up to that cell, minus the leg to it, is used where it is larger. It need not bound the
+/// stage alone; only its sum with that leg is claimed to be a bound.
 fn bounds(
     places: &[LatticeCell],
     entries: &[Vec<WayFigures>],

@@ -22,7 +22,7 @@ use rustc_hash::FxHashMap;
 const TABLE_MODULES: u32 = 12;
 /// Rectangle queries spent on finding or refuting a sequence of one length.
 const TRIES: u64 = 1 << 18;
-/// Sequences longer than this are not sought by branch and bound: a node would have 4^4 children and more.
+/// Longest sequence sought by branch and bound: in a longer one a node would have at least 4^4 children.
 const MAX_SOUGHT: usize = 4;
 
 /// A sequence of pulses.
@@ -83,7 +83,7 @@ fn found(cells: &[LatticeCell], bound: u64, meter: &Meter) -> DimibotAnswer<Puls
     DimibotAnswer::Found(PulseTrain { pulses, bound, expanded: meter.spent() })
 }
 
-/// Prefix sums: number of slots (cells and gaps) below and left of a slot that an obstacle touches.
+/// Summed-area table of the slots (cells and gaps) that an obstacle touches.
 struct BlockedPrefixSums {
     width: usize,
     sums: Vec<u32>,
@@ -170,7 +170,8 @@ fn between(a: LatticeCell, b: LatticeCell) -> ModulePulse {
     ModulePulse { left: a.x ^ b.x, right: a.y ^ b.y }
 }
 
-/// Whether [`pulses`] is exact for a robot in all figures of a train, and [`front`] searches at all.
+/// Whether a robot is small enough for exhaustive search: then [`pulses`] is exact in all figures of a train, and
+/// [`front`] is complete.
 pub(super) const fn is_small(lattice: &Lattice) -> bool {
     lattice.modules[0] + lattice.modules[1] <= TABLE_MODULES
 }
@@ -182,8 +183,9 @@ struct PulseLabel {
     before: usize,
 }
 
-/// The Pareto front of trains from `start` to `goal` within the limits, in distance, switches and pulses: a search over all cells
-/// in layers of equally many pulses. Complete for a small robot unless the budget ran out; for a larger one only the known trains.
+/// The Pareto front of trains from `start` to `goal` within the limits, in distance, switches and pulses. For a small
+/// robot all cells are searched, one layer per number of pulses; the front is then complete unless the budget ran out.
+/// For a larger robot only the known trains are returned.
 pub(super) fn front(
     field: &LatticeField,
     [start, goal]: [LatticeCell; 2],
@@ -311,7 +313,7 @@ fn compress(field: &LatticeField, start: LatticeCell, path: &FlipPath, meter: &m
     trail(&(0..cells.len()).map(link).collect::<Vec<_>>(), cells.len() - 1)
 }
 
-/// Branch and bound on the cells of a sequence of fixed length.
+/// Branch and bound on the intermediate cells of a sequence of fixed length.
 struct Sought<'a> {
     field: &'a LatticeField,
     /// All cells of the sequence; for those between the ends only the decided high bits are set.
@@ -338,7 +340,8 @@ impl<'a> Sought<'a> {
         self.field.lattice().modules.map(|n| (1 << n.saturating_sub(depth)) - 1)
     }
 
-    /// Decides the `depth`-th highest bits of all cells between; recursion ends at the number of modules of the larger side, 20 at most.
+    /// Decides the `depth`-th highest bits of all intermediate cells. The recursion is as deep as the number of modules
+    /// of the larger side, 20 at most.
     fn branch(&mut self, depth: u32) -> PulseBranch {
         let open = self.open(depth);
         // A rectangle blocked by its decided bits alone is blocked for every choice of the open ones: prune.
@@ -372,7 +375,8 @@ impl<'a> Sought<'a> {
         PulseBranch::None
     }
 
-    /// Sets the next bits; choice 0 repeats the start's bits in every cell. `false` if the choice differs from an earlier one in absent bits only.
+    /// Sets the next bits; choice 0 repeats the start's bits in every cell. `false` if the choice differs from an
+    /// earlier one only in bits that the robot does not have.
     fn choose(&mut self, mut choice: u32, bits: [u32; 2]) -> bool {
         let last = self.cells.len() - 1;
         let start = self.cells[0];

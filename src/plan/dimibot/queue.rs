@@ -1,5 +1,5 @@
-//! A monotone priority queue, whose keys never fall below the last one taken: a radix heap (Ahuja and others 1990). Equal keys
-//! leave last in, first out.
+//! A monotone priority queue (no key may be smaller than the last one taken): a radix heap (Ahuja and others 1990).
+//! Items with equal keys leave last in, first out.
 
 /// Items with a key, in buckets by the highest bit in which the key differs from the last one taken.
 pub(super) struct RadixQueue<T> {

@@ -1,14 +1,14 @@
-//! Everything that the tip can reach from a cell, for pictures of a proof that there is no plan.
+//! Cells that the tip can reach from a cell, drawn in reports that there is no plan.
 
 use super::field::LatticeField;
 use super::lattice::{Flip, LatticeCell, Side, bits};
 use rustc_hash::FxHashSet;
 
-/// Cells beyond which none are listed.
+/// Most cells listed.
 const MAX_CELLS: usize = 1 << 14;
 
-/// The cells to which switches of single modules lead; pulses of several lead to no others, since all that they may sweep must be free.
-/// `None` if there are too many to list, or if the cell itself is covered.
+/// The cells reached by switching single modules. Pulses of several modules reach no others, since the whole rectangle
+/// that they may sweep must be free. `None` if there are too many cells to list, or if the cell itself is covered.
 pub(super) fn reached(field: &LatticeField, from: LatticeCell) -> Option<FxHashSet<LatticeCell>> {
     let mut met = FxHashSet::from_iter([from]);
     let mut open = vec![from];

@@ -1,11 +1,12 @@
-//! A whole task: the best sequence of legs over all its stages, including the order of its visits.
+//! Planner of a whole task: the best sequence of legs over all stages, including the order of the visits.
 //!
-//! Problem: from a start through stages, each a cell or a set of cells to be visited in any order; least by an objective, ties
-//! broken by the other figures, within limits on all figures. Method: a dynamic programme over the stages whose state is the cell
-//! in which a stage ends; within a visit of up to [`super::EXACT_PLACES`] places, that of Held and Karp (1962) over sets. Without limits
-//! one best route is kept per state, with limits the Pareto front of routes. Larger visits are ordered by [`super::tour`], and
-//! bounded by the same programme over the bounds of the legs. Guaranteed: `bound` holds for the whole task; optimal where it equals
-//! the cost.
+//! Problem: from a start through stages, each a cell or a set of cells to be visited in any order; least by an
+//! objective, ties broken by the other figures, within limits on all figures. Method: a dynamic programme over the
+//! stages, whose state is the cell in which a stage ends; a visit of up to [`super::EXACT_PLACES`] places is solved by
+//! the dynamic programme of Held and Karp (1962) over sets. Without limits one best route is kept per state, with
+//! limits the Pareto front of routes. Larger visits are ordered by [`super::tour`], and bounded by the same dynamic
+//! programme over the bounds of the legs. Guaranteed: `bound` holds for the whole task; optimal where it equals the
+//! cost.
 
 use super::field::LatticeField;
 use super::lattice::{LatticeCell, ModulePulse};
@@ -64,7 +65,7 @@ impl<'a> Router<'a> {
     /// The best route by an objective.
     ///
     /// # Errors
-    /// The legs that are impossible or were not found: for each stage, those from the last cell of the stage before.
+    /// For each stage, the first leg from the last cell of the stage before that is impossible or was not found.
     pub fn best(&mut self, objective: DimibotObjective) -> Result<Route, Vec<MissingLeg>> {
         let mut meters = self.meters();
         self.reach(objective, &mut meters)?;
@@ -105,7 +106,8 @@ impl<'a> Router<'a> {
         self.request.stages.iter().map(|_| Meters::new(self.request.expansions)).collect()
     }
 
-    /// Searches a leg to every cell from the last cell of the stage before, so that the report covers each part of the task.
+    /// Searches a leg from the last cell of each stage to the cells of the next one, so that the report covers each
+    /// part of the task.
     fn reach(&mut self, objective: DimibotObjective, meters: &mut [Meters]) -> Result<(), Vec<MissingLeg>> {
         let mut failures = Vec::new();
         let mut from = self.request.start;

@@ -51,9 +51,9 @@ pub(super) fn outside(field: &LatticeField, start: LatticeCell, goal: LatticeCel
     (!field.lattice().contains(goal)).then_some(Proof::GoalOutside)
 }
 
-/// A path that only switches modules whose states differ, so that no path is cheaper: all of one side, then all of the other, or
-/// else always the largest that may switch. Every cell entered is checked, so it fails if an end is covered, unless start and goal
-/// are the same.
+/// A path that only switches modules whose states differ, so that no path is cheaper. First all modules of one side
+/// before all of the other, in both orders, are tried; then a greedy walk that always switches the largest legal one.
+/// Every cell entered is checked, so it fails if an end is covered, unless start and goal are the same.
 fn walk(reader: &mut LineReader<'_>, [start, goal]: [[u32; 2]; 2]) -> Option<Vec<Flip>> {
     let differing = [start[0] ^ goal[0], start[1] ^ goal[1]];
     let mut flips = Vec::with_capacity((differing[0].count_ones() + differing[1].count_ones()) as usize);

@@ -1,4 +1,4 @@
-//! The figures of a motion for every outcome, and the order of two motions.
+//! Distance, switches and pulses of a motion, which determine all its outcomes; the order of two motions.
 //!
 //! Time and energy of a DiMiBot follow from the numbers of pulses and switches, so three whole numbers determine all outcomes. Ties
 //! in the objective are broken by the other outcomes in the order of the vocabulary: distance, switches, time, energy.
@@ -47,7 +47,7 @@ impl MotionTally {
         }
     }
 
-    /// The rest of a limit; `None` if it is exceeded.
+    /// The remainder of a limit; `None` if it is exceeded.
     pub const fn minus(self, other: MotionTally) -> Option<Self> {
         if !other.is_within(self) {
             return None;

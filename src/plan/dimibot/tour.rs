@@ -1,4 +1,4 @@
-//! The order of many places: a good one, and a lower bound on all.
+//! Tour of many places: a good order, and a lower bound on all orders.
 //!
 //! Problem: the open travelling salesman path from node 0 over all places, on to a fixed end if there is one. Method: nearest
 //! insertion, then 2-opt and or-opt to a local optimum; as lower bound the ascent on 1-trees of Held and Karp (1971). Guaranteed:
@@ -6,7 +6,7 @@
 
 /// Steps of the ascent on 1-trees.
 const ASCENT: u32 = 300;
-/// Denominator of the penalties of the ascent.
+/// Fixed-point denominator of the penalties of the ascent.
 const FINE: i64 = 64;
 
 /// Costs between nodes, symmetric; the path begins at node 0.
@@ -17,7 +17,7 @@ pub(super) struct TourCosts {
 }
 
 impl TourCosts {
-    /// Nodes between the beginning and a fixed end.
+    /// Number of nodes between the beginning and a fixed end.
     fn places(&self) -> usize {
         self.costs.len() - 1 - usize::from(self.end.is_some())
     }

@@ -14,18 +14,18 @@ use crate::plan::search::{Meter, SearchBudget};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeSet;
 
-/// Obstacles named when no opening set was found within the budget.
+/// Most obstacles of the border named if no opening set was found within the budget.
 const MAX_BORDER: usize = 32;
 /// Budget in cells of a path search with some obstacles removed.
 const TRIAL: SearchBudget = SearchBudget::of(1 << 20);
-/// One part in this many of the budget is spent on flooding both ends, to find the nearby obstacles.
+/// 1/`FLOOD_SHARE` of the budget is spent on flooding from both ends, to find the nearby obstacles.
 const FLOOD_SHARE: u64 = 8;
-/// If the flood does not end, all obstacles are suspects, unless there are more than this.
+/// Most obstacles of a scene that are all tested singly if the flood does not end within its budget.
 const MAX_SUSPECTS: usize = 32;
 /// Obstacles rebuilt per step of the budget when a field is built without some of them.
 const REBUILT_PER_STEP: u64 = 2;
 
-/// Obstacles of two sets merged per step of the budget.
+/// Obstacles merged into a union of two sets per step of the budget.
 const MERGED_PER_STEP: u64 = 8;
 
 /// The obstacles to blame.
@@ -53,8 +53,8 @@ pub enum Opening {
 
 /// Why there is no path from `start` to `goal`: `None` if there is one, or if one of the two is not a cell of the lattice.
 ///
-/// `obstacles` must be the list from which `field` was built. Where the proof that there is no path takes more than a million
-/// cells, it is the caller's responsibility: claims about the smallest set rest on it.
+/// `obstacles` must be the list from which `field` was built. The proof that there is no path is repeated only up to
+/// about a million cells; beyond that the caller must have proven it, since claims about the smallest set rest on it.
 pub fn why(
     field: &LatticeField,
     obstacles: &[FieldObstacle],
@@ -281,7 +281,7 @@ fn flips(field: &LatticeField) -> impl Iterator<Item = Flip> + use<> {
     of(Side::Left).chain(of(Side::Right)).collect::<Vec<_>>().into_iter()
 }
 
-/// A search in order of the number of distinct obstacles crossed.
+/// A best-first search by the number of distinct obstacles crossed.
 struct Crossing<'a> {
     field: &'a LatticeField,
     /// Sets of obstacles, ascending; the index is the set's number.
@@ -325,7 +325,8 @@ impl<'a> Crossing<'a> {
         None
     }
 
-    /// Queues the neighbours; those toward the goal last and the longest stroke at the very end, since the queue is a stack.
+    /// Queues the neighbours. Those toward the goal come last, and of these the longest stroke, since the queue is a
+    /// stack.
     fn spread(&mut self, cell: LatticeCell, set: usize, to: LatticeCell, meter: &mut Meter) -> Option<()> {
         let toward = |flip: &Flip| {
             let bit = 1_u32 << flip.module;

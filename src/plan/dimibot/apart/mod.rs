@@ -1,11 +1,12 @@
 //! Collision avoidance between robots that share a scene: pulses wait for one another, or a robot detours around another.
 //!
-//! Problem: given plans made for each robot alone, find plans on one clock in which no two tips ever touch. Method: prioritised
-//! planning (Erdmann and Lozano-Pérez, *On multiple moving objects*, Algorithmica 2, 1987): each run is timed against those before
-//! it, along its own best path with waits; if that fails, along a detour around the places where others stay, or around all places
-//! they come to. The branches of a `together` are tried in several orders, with and without the assumption that robots not yet
-//! planned make way. Guaranteed: plans that keep every gap. Not guaranteed: completeness or optimality; a plan stays `optimal` only
-//! if its cost is still that of the robot alone.
+//! Problem: given plans made for each robot alone, find plans on one clock in which no two tips ever touch. Method:
+//! prioritised planning (Erdmann and Lozano-Pérez, *On multiple moving objects*, Algorithmica 2, 1987): each run is
+//! timed against the runs planned before it, along its own best path with waits; if that fails, along a detour around
+//! the places where other robots stay, or around all places that they visit. The branches of a `together` are planned
+//! in several orders, with and without the assumption that robots not yet planned make way. Guaranteed: plans that keep
+//! every gap. Not guaranteed: completeness or optimality; a plan stays `optimal` only if its cost is still that of the
+//! robot alone.
 
 mod timing;
 mod tips;
@@ -88,7 +89,8 @@ fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnosti
     errors::not_apart([device, with], job.run_span, &why, other, help)
 }
 
-/// A plan with delays before its pulses, on its own path or on that of the best plan alone.
+/// A plan with delays before its pulses, on the robot's own best path or on a detour. Its bounds are those of the robot
+/// alone; it stays optimal only if it costs no more than that plan.
 fn delayed(alone: &Plan<DimibotMotion>, mut plan: Plan<DimibotMotion>, delays: Vec<u64>) -> Plan<DimibotMotion> {
     let idle_ns: u64 = delays.iter().sum();
     if let Some(time_s) = plan.outcomes.get_mut(DimibotOutcome::Time.name()) {

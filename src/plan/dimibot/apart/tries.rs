@@ -1,4 +1,5 @@
-//! One attempt to plan the robots of a program apart: the order of planning, and which robots make way.
+//! One attempt to plan the robots of a program without collisions, under a policy: the order of planning, and whether
+//! robots planned later make way.
 
 use super::delayed;
 use super::timing::{Other, StuckWay, TimedAct, TimedWay, TipStay};
@@ -14,10 +15,10 @@ use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// With more branches than this, not every order is tried.
+/// Most branches of which every order is tried.
 const MAX_PERMUTED: usize = 3;
 
-/// Detours around more places than this are not searched.
+/// Most places of other robots around which a detour is searched.
 const MAX_PLACES: usize = 2_000;
 
 /// Assumption about robots not yet planned, while the earlier ones are.
@@ -62,7 +63,8 @@ pub struct TryFailure {
 /// Plans that keep the robots apart.
 pub struct FoundPlans<'a> {
     pub plans: Vec<Plan<Motion<'a>>>,
-    /// Number of plans that cost more than alone, end of the program, and sum of waits; smaller is better.
+    /// Number of detours (plans on another path than alone), end of the program in ns, and sum of waits in ns; smaller
+    /// is better.
     pub rank: (usize, u64, u64),
 }
 
@@ -84,7 +86,7 @@ struct Try<'a, 'r> {
     traces: BTreeMap<&'a str, PlannedTrace>,
     /// Robots planned later, in the other branches of each enclosing `together`.
     later: Vec<BTreeSet<&'a str>>,
-    /// Number of plans that cost more than alone, not counting waits, and the sum of waits.
+    /// Number of detours (plans on another path than alone); then the sum of waits.
     detours: usize,
     idle_ns: u64,
 }
@@ -105,7 +107,8 @@ pub fn tries(claims: &Claims, robots: &BTreeMap<&str, PlacedRobot>) -> Vec<Polic
     of(BystanderManners::MakeWay).chain(of(BystanderManners::Stay)).collect()
 }
 
-/// Orders of `branches` branches: all permutations of a few; of many, each branch once first and once last.
+/// Orders of `branches` branches: all permutations of a few; of many, rotations of the written order (six at most) and
+/// its reverse.
 fn orders(branches: usize) -> Vec<Vec<usize>> {
     if branches > MAX_PERMUTED {
         let turned = |first| (0..branches).map(move |at| (at + first) % branches).collect::<Vec<_>>();
@@ -229,7 +232,8 @@ impl<'a> Try<'a, '_> {
         }
     }
 
-    /// The plan, its path and its delays: the robot's own best path if it can be timed, else a detour.
+    /// The cheapest plan with its path and delays. Detours are tried only if the robot's own best path cannot be timed,
+    /// or needs waits while time is minimised.
     fn timed(
         &mut self,
         index: usize,
@@ -311,7 +315,7 @@ impl<'a> Try<'a, '_> {
         })
     }
 
-    /// Whether a path ends where it touches the last place of another robot planned before.
+    /// Whether a path ends too near the last place of another robot that was planned before.
     fn end_together(&self, own: &str, way: &TimedWay, with: &str) -> bool {
         let last = |stretches: &[TipStay]| stretches.last().map(|stretch| stretch.area);
         let (end, beside) = (last(&way.stretches(&[]).0), last(self.other(own, with).stretches));
@@ -411,7 +415,7 @@ impl PlannedTrace {
         PlannedTrace { stretches, cell, job: None }
     }
 
-    /// Instant since which it stays at its last place.
+    /// Instant from which it stays at its last place.
     fn since_ns(&self) -> u64 {
         self.stretches.last().map_or(0, |stretch| stretch.start_ns)
     }
@@ -459,7 +463,7 @@ fn keeps_all(job: &Job, plan: &Plan<DimibotMotion>) -> bool {
         .all(|asked| reached(&asked.outcome).is_none_or(|reached| keeps(asked, reached) == Kept::Yes))
 }
 
-/// Cost of a plan with its delays, where time is minimised.
+/// Cost of a plan, including its delays if time is minimised.
 fn total(plan: &Plan<DimibotMotion>, delays: &[u64]) -> f64 {
     let idle_ms = delays.iter().sum::<u64>() as f64 / 1e6;
     if plan.objective == DimibotObjective::Time.name() { plan.cost + idle_ms } else { plan.cost }

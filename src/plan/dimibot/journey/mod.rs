@@ -1,10 +1,11 @@
 //! Exact search between two cells, in stages from cheap to thorough.
 //!
-//! Problem: least sum of weights from start to goal. Method: distances of blocks guide A* on the cells (see [`super::blocks`],
-//! [`super::guided`]); first a short search without them, then with them, and in large lattices with those of much smaller blocks,
-//! found by the same search on the abstraction. A flood from the goal runs alongside, so that a goal in a small pocket is proven
-//! unreachable without visiting the rest. When the budget runs out, weighted A* finds some path, which is returned with the bound
-//! proven so far. Guaranteed: see [`DimibotAnswer`]. One step of the budget is one cell queued.
+//! Problem: least sum of weights from start to goal. Method: A* on the cells, guided by distances of blocks (see
+//! [`super::blocks`], [`super::guided`]): first a short search without them, then with them, and in large lattices with
+//! those of much smaller blocks, found by the same search on the abstraction. A flood from the goal runs alongside, so
+//! that a goal in a small pocket is proven unreachable without visiting the rest. When the budget runs out, weighted A*
+//! finds some path, which is returned with the bound proven so far. Guaranteed: see [`DimibotAnswer`]. One step of the
+//! budget is one cell queued.
 
 use super::blocks::{BlockDistances, Blocks};
 use super::guided::{BlockGuide, Guide, GuidedSearch, Lists, NoBlocks, SearchEnd, SearchSpace, small_difference};
@@ -23,7 +24,7 @@ const MIDDLE: u32 = 10;
 const FIRST_TRY: u64 = 1 << 12;
 /// Cells queued before the second abstraction is built.
 const SECOND_TRY: u64 = 1 << 16;
-/// One part in this many of the budget is reserved for a path that need not be optimal.
+/// 1/`KEPT_PART` of the budget is reserved for a path that need not be optimal.
 const KEPT_PART: u64 = 4;
 /// Cells settled from the start per cell flooded from the goal.
 const PACE: u64 = 4;
@@ -68,7 +69,7 @@ pub(super) struct LatticeJourney<'a, 'f> {
     bound: u64,
 }
 
-/// Result of a stage that settles the question.
+/// Conclusive result of a stage.
 enum Decided {
     Path,
     No(Proof),

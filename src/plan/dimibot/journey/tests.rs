@@ -1,4 +1,4 @@
-//! The last stage is rarely reached; here it must solve what the first stages have solved.
+//! The last stage is rarely reached; these tests run it on problems that the first stages have solved.
 
 use super::*;
 use crate::plan::dimibot::tests::oracle::Random;

@@ -89,7 +89,8 @@ const TABLE_TWO: [&str; 16] = [
     "0000000200010210",
 ];
 
-/// Row 13 is printed with two entries in columns 8 and 11 that belong in columns 9 and 12; otherwise the table would not be symmetric.
+/// The printed row 13 has two entries in columns 8 and 11 that belong in columns 9 and 12; otherwise the table would
+/// not be symmetric.
 #[test]
 fn the_adjacency_of_table_two() {
     let mut table = vec![vec![b'0'; 16]; 16];

@@ -43,7 +43,7 @@ fn pulses_agree_with_brute_force() {
     assert!(by_count[1] > 50 && by_count[2] > 50 && by_count[3] > 10, "{by_count:?}");
 }
 
-/// The search by length is exact too; a lattice twice as fine with the same shapes and even cells cannot need more pulses than the coarse one.
+/// In a lattice too large for a table, trains are valid and keep their bound; more than nine in ten are proven optimal.
 #[test]
 fn the_search_by_length_is_honest() {
     let mut random = Random::new(22);
@@ -66,7 +66,7 @@ fn the_search_by_length_is_honest() {
     assert!(all > 50 && proven * 10 > all * 9, "{proven} of {all}");
 }
 
-/// Where no pulse can lead to the goal within a limit, nothing is looked at beyond the pulses from the start.
+/// If no pulse can lead to the goal within a limit, only the pulses from the start are examined.
 #[test]
 fn pulses_beyond_a_limit_are_not_searched_on() {
     let lattice = Lattice::new([3, 3], [1.0, 1.0]).unwrap();
@@ -133,7 +133,7 @@ fn best_order(table: &TourCosts, order: &mut Vec<usize>, rest: &mut Vec<usize>) 
     best
 }
 
-/// The bound on tours is a bound, and on most small ones it is the best tour itself.
+/// The bound on tours is valid, and equals the best tour in most small instances.
 #[test]
 fn no_order_of_places_is_below_the_bound_on_tours() {
     let mut random = SplitMix64::new(25);

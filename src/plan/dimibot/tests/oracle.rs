@@ -1,4 +1,5 @@
-//! Brute force: which segments and rectangles are free, from distances between segments; Dijkstra over all cells with a linear scan.
+//! Brute-force oracle: free segments and rectangles from distances between segments, and Dijkstra's algorithm over all
+//! cells with a linear scan.
 
 use crate::geometry::Shape;
 use crate::plan::dimibot::*;
@@ -113,7 +114,7 @@ fn corners(shape: &Shape) -> (Vec<P>, f64) {
     }
 }
 
-/// Distance of two filled outlines (one point, a segment or a polygon each).
+/// Distance between two filled outlines, each a point, a segment or a polygon.
 fn apart(a: &[P], b: &[P]) -> f64 {
     if inside(a[0], b) || inside(b[0], a) {
         return 0.0;
@@ -126,7 +127,7 @@ fn sides(outline: &[P]) -> impl Iterator<Item = [P; 2]> + '_ {
     (0..outline.len()).map(|k| [outline[k], outline[(k + 1) % outline.len()]])
 }
 
-/// By the sum of the angles under which the sides are seen.
+/// Whether a polygon contains a point, by the sum of the angles that its sides subtend.
 fn inside(p: P, outline: &[P]) -> bool {
     let angle = |[a, b]: [P; 2]| {
         let (u, v) = (minus(a, p), minus(b, p));

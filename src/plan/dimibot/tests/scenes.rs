@@ -4,7 +4,7 @@ use crate::plan::dimibot::published::*;
 use crate::plan::dimibot::*;
 use crate::plan::search::SearchBudget;
 
-/// A random lattice with up to `most` modules a side and obstacles of all forms, from empty to closed.
+/// A random lattice with up to `most` modules a side, and obstacles of all shapes; from empty to fully blocked.
 pub fn scene(random: &mut Random, most: u32, crowd: u32) -> (Lattice, Vec<FieldObstacle>) {
     let modules = [1 + random.below(most), 1 + random.below(most)];
     let lattice = Lattice::of_strokes(modules, 0.138, 35.0).unwrap();
