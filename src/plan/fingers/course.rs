@@ -1,4 +1,4 @@
-//! From a path through the grasp graph to the acts of the fingers in each step of the task.
+//! Conversion of a path through the grasp graph to the acts of the fingers in each step of the task.
 
 use super::graph::{GraspNode, GraspPath};
 use super::routes::{LegEnd, TurnRoute};

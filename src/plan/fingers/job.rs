@@ -1,4 +1,4 @@
-//! One job of a hand: its plan without limits, then one that keeps them.
+//! Planner of one job of a hand: first without limits, then within the limits that this plan exceeds.
 
 use super::limited::{self, Sooner};
 use super::looks::LooksBudget;
@@ -15,28 +15,28 @@ use crate::plan::{KindPlanner, Optimality, Plan};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// How a job leaves the hand and its part.
+/// Stance of the hand and its part after a job, and the choices that the plan left open.
 #[derive(Clone)]
 struct LeftStance {
     stance: Stance,
     open: LeftOpen,
 }
 
-/// State that the plans of a schedule hand on to later jobs.
+/// State carried from job to job of a schedule.
 #[derive(Default)]
 pub struct HandStandings {
-    /// By device; `None` after a missing plan, since the pose of its part is then unknown.
+    /// By device; `None` after a job without a plan, since the pose of the part is then unknown.
     stances: BTreeMap<String, Option<LeftStance>>,
 }
 
 impl KindPlanner for FingersOrder {
-    /// A task is planned from every grasp that the one before could have left: see [`LeftOpen`].
+    /// `false`: a task takes into account every grasp with which the one before could have ended, see [`LeftOpen`].
     fn chooses_its_end(&self) -> bool {
         false
     }
 }
 
-/// A plan for a job; without one an error was pushed, for this job or an earlier one of the same hand.
+/// Plans a job. `None` after an error was pushed, for this job or an earlier one of the same hand.
 pub fn plan(
     job: &Job,
     order: &FingersOrder,
@@ -54,7 +54,7 @@ pub fn plan(
     plan
 }
 
-/// A plan, and what it leaves.
+/// A plan, and the stance that it leaves.
 fn planned(
     job: &Job,
     order: &FingersOrder,

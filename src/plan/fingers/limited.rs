@@ -1,13 +1,13 @@
-//! Plans within limits of reconfigurations and of time.
+//! Plans within limits on reconfigurations and on time.
 //!
-//! Problem: the least effort of a task whose stretches share a limit on reconfigurations. Method: for each stretch the paths of
-//! least effort under decreasing limits on reconfigurations (the ε-constraint method: Haimes, Lasdon, Wismer, IEEE Transactions on
-//! Systems, Man and Cybernetics 1, 1971), then one of them for each stretch. Guaranteed: where every path is proven, so is the
-//! choice.
+//! Problem: the least effort of a task whose stretches share a limit on reconfigurations. Method: for each stretch the
+//! paths of least effort under decreasing limits on reconfigurations (the ε-constraint method: Haimes, Lasdon, Wismer,
+//! IEEE Transactions on Systems, Man and Cybernetics 1, 1971), then the best combination of one path per stretch.
+//! Guaranteed: if every path is proven optimal, so is the combination.
 //!
-//! The duration of a plan depends on where free fingers wait, which is not part of a grasp. Plans that take too long are therefore
-//! searched again with fewer and fewer reconfigurations, which take most of the time, until one is fast enough. Not guaranteed:
-//! that no other plan is, unless the limit is below [`least_s`].
+//! The duration of a plan also depends on where free fingers wait, which is not part of a grasp. A plan that takes too
+//! long is therefore replaced by plans with fewer and fewer reconfigurations, which take most of the time, until one is
+//! fast enough. Not guaranteed: that no other plan is, unless the limit is below [`least_s`].
 
 use super::FingersMotion;
 use super::Stance;
@@ -22,14 +22,14 @@ use crate::plan::{Optimality, Plan};
 
 /// Result of a search within a limit.
 pub enum HandWithin {
-    /// A plan that keeps it; its bound holds for all plans that do.
+    /// A plan that keeps the limit; its bound holds for all plans that do.
     Found(Box<Done>),
     None {
         is_proven: bool,
     },
 }
 
-/// The limit on reconfigurations from above, if a job has one.
+/// Tightest upper limit on reconfigurations, if a job has one.
 pub fn most_gaits(job: &Job) -> Option<u32> {
     let limits = job.requirements.iter().filter(|limit| limit.outcome == FingersOutcome::Reconfigurations.name());
     let most = limits.filter_map(|limit| match limit.relation {
@@ -48,7 +48,7 @@ pub enum Sooner {
     Missed(Option<Box<Plan<FingersMotion>>>),
 }
 
-/// Most plans with fewer reconfigurations that are tried for a limit on time.
+/// Most plans with fewer reconfigurations tried for a limit on time.
 const MOST_TRIED: u32 = 16;
 
 fn is_kept(job: &Job, plan: &Plan<FingersMotion>, outcome: &str) -> bool {
@@ -56,12 +56,12 @@ fn is_kept(job: &Job, plan: &Plan<FingersMotion>, outcome: &str) -> bool {
     limits.all(|limit| plan.outcomes.get(outcome).is_none_or(|reached| keeps(limit, *reached) == Kept::Yes))
 }
 
-/// Whether a plan takes longer than a limit.
+/// Whether a plan exceeds a limit on time.
 pub fn misses_time(job: &Job, plan: &Plan<FingersMotion>) -> bool {
     !is_kept(job, plan, FingersOutcome::Time.name())
 }
 
-/// A plan that is fast enough, given one that is not.
+/// Searches a plan that is fast enough, given one that is not.
 pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Sooner {
     let mut soonest: Option<Plan<FingersMotion>> = None;
     let mut gaits = done.gaits();
@@ -91,8 +91,8 @@ pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Soo
     Sooner::Missed(soonest.map(Box::new))
 }
 
-/// Lower bound on the duration of any plan, in seconds: its waits, translations and least rolling, and two fingers that come and
-/// leave where all do.
+/// Lower bound on the duration of any plan, in seconds: its waits, its translations, the least rolling, and the time of
+/// two fingers to come and to leave wherever the part is taken and released.
 pub fn least_s(sections: &Sections, order: &FingersOrder, stance: Option<&Stance>) -> f64 {
     let facts = &order.facts;
     let come_s = 2.0 * facts.slow_um() / facts.approach_um_per_s;
@@ -129,11 +129,11 @@ pub fn least_s(sections: &Sections, order: &FingersOrder, stance: Option<&Stance
     sum_s * (1.0 - 1e-9)
 }
 
-/// The candidate paths of one stretch.
+/// Candidate paths of one stretch.
 struct Front {
-    /// With decreasing numbers of reconfigurations.
+    /// In order of decreasing numbers of reconfigurations.
     ways: Vec<TaskStretch>,
-    /// Whether each of them is proven, and no others matter.
+    /// Whether each of them is proven best, and no other path can be part of a best plan.
     is_whole: bool,
 }
 
@@ -161,7 +161,7 @@ pub fn within(sections: &mut Sections, asked: &AskedStretch, any: &Done, most: u
     HandWithin::Found(Box::new(done))
 }
 
-/// The candidate paths of a stretch.
+/// Finds the candidate paths of a stretch.
 fn front(sections: &mut Sections, asked: &AskedStretch, any: &Done, at: usize, most: u32) -> Front {
     let mut front = Front { ways: vec![any.stretches[at]], is_whole: any.stretches[at].is_best };
     let is_only = any.stretches.len() == 1;
@@ -195,7 +195,7 @@ fn front(sections: &mut Sections, asked: &AskedStretch, any: &Done, at: usize, m
 /// The least cost of one path per stretch, and the reconfigurations of each; `None` if every combination has too many.
 fn choice(fronts: &[Front], most: u32) -> Option<(u64, Vec<u32>)> {
     let most = u64::from(most);
-    // By remaining reconfigurations: the least cost so far.
+    // Partial choices as (reconfigurations, cost, reconfigurations of each stretch), none of which dominates another.
     let mut chosen: Vec<(u64, u64, Vec<u32>)> = vec![(0, 0, Vec::new())];
     for front in fronts {
         let mut longer: Vec<(u64, u64, Vec<u32>)> = Vec::new();

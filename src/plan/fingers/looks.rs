@@ -1,9 +1,10 @@
-//! Work of the searches of one task, counted in looks at grasps: never in time, so that a plan does not depend on the machine.
+//! Work of the searches of one task, counted in looks at grasps rather than in time, so that a plan does not depend on
+//! the machine.
 
 use std::cell::Cell;
 
-/// Remaining looks. One look is one chain of grasps checked against one third contact, or one grasp against one condition of its
-/// equilibrium: some tens of nanoseconds.
+/// Remaining looks. One look is one chain of grasps checked against one third contact, or one grasp against one
+/// condition of its equilibrium; it takes some tens of nanoseconds.
 #[derive(Debug)]
 pub struct LooksBudget {
     left: Cell<u64>,
@@ -21,7 +22,7 @@ impl LooksBudget {
         self.left.set(self.left.get().saturating_sub(looks));
     }
 
-    /// Whether none are left; the searches then settle for what they know.
+    /// Whether no looks are left; the searches then settle for what they know.
     #[inline]
     pub fn are_spent(&self) -> bool {
         self.left.get() == 0

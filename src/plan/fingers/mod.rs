@@ -1,8 +1,9 @@
 //! Planner of hands: grasps are nodes, rolling and finger gaiting are edges, and all turns of a task are one problem.
 //!
-//! **Guaranteed:** what is called optimal, a bound or impossible is so for all plans in which each turn goes at most one revolution
-//! beyond its start and its goal, either way. **Not:** plans that turn the part farther; in theory they may cost less, since contacts
-//! repeat only after (360 deg + perimeter / tip radius) / 360 deg revolutions.
+//! **Guaranteed:** a cost called optimal, a bound or a proof of impossibility holds for all plans in which each turn
+//! stays within one revolution of its start and its goal, in either direction. **Not:** plans that turn the part
+//! farther; in theory they may cost less, since contacts repeat only after (360 deg + perimeter / tip radius) / 360 deg
+//! revolutions.
 
 mod course;
 pub mod graph;
@@ -26,7 +27,7 @@ use crate::device::fingers::Plane;
 pub struct FingersMotion {
     /// Initial stance.
     pub start: Stance,
-    /// One for each step of the order.
+    /// The moves of each step of the order.
     pub steps: Vec<Vec<TipsMove>>,
 }
 
@@ -52,10 +53,10 @@ pub struct Stance {
 /// A grasp, and the pose of the object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldGrasp {
-    /// The contact of each finger in the plane's section, from 1; 0 for a free finger.
+    /// Contact of each finger in the plane's section, counted from 1; 0 for a free finger.
     pub grasp: Vec<u32>,
     pub plane: Plane,
-    /// Angle of the current turn, in steps from its beginning, from 1.
+    /// Angle of the current turn, in steps from its beginning, which is 1.
     pub angle_index: i64,
     /// Position of the part's origin in the hand's frame.
     pub position_um: [f64; 3],

@@ -1,17 +1,19 @@
-//! A held stretch of a task as routes of the grasp graph: from a first grasp to the release, or to the end of the task.
+//! Routes through the grasp graph for a held stretch of a task: from a first grasp to the release, or to the end of the
+//! task.
 //!
-//! Input: the steps of the stretch, and the grasp at its beginning. Output: its routes, one for each combination of alternatives of
-//! its `orient` steps, cheapest estimate first. Promise: every route has at least one turn, and each turn knows its step.
+//! Input: the steps of the stretch, and the grasp at its beginning. Output: its routes, one for each combination of
+//! alternatives of its `orient` steps, cheapest estimate first. Guaranteed: every route has at least one turn, and each
+//! turn knows its step.
 
 use super::graph::Grasp;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersStep, FingersTurn};
 use crate::device::fingers::Plane;
 use std::ops::Range;
 
-/// Most routes searched for one stretch; beyond it those that turn most are left out.
+/// Most routes searched for one stretch; of more, those that turn most are left out.
 pub const MAX_ROUTES: usize = 256;
 
-/// The same under a load, where grasps are evaluated anew for every leg.
+/// Most routes under a load, where grasps are evaluated anew for every leg.
 pub const MAX_LOADED_ROUTES: usize = 64;
 
 /// A leg of a route.
@@ -23,17 +25,18 @@ pub struct RouteTurn {
     pub end: LegEnd,
 }
 
-/// Which grasps a leg may end with.
+/// Grasps with which a leg may end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LegEnd {
     Any,
     /// The one that the task names.
     Pinned(Grasp),
-    /// Those that all fingers can leave. Such a leg turns nothing: it is there for a grasp with which the part is released.
+    /// Those that all fingers can leave. Such a leg turns nothing: it only changes to a grasp with which the part can
+    /// be released.
     Released,
 }
 
-/// The turns of a stretch, one after the other.
+/// The turns of a stretch, in order.
 pub type TurnRoute = Vec<RouteTurn>;
 
 /// Grasp held by the fingers.
@@ -46,9 +49,9 @@ pub struct Holding {
 /// The routes of a stretch.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Routes {
-    /// With the fewest steps of turning first; at most [`MAX_ROUTES`], or [`MAX_LOADED_ROUTES`].
+    /// Routes with the fewest steps of turning first; at most [`MAX_ROUTES`], or [`MAX_LOADED_ROUTES`].
     pub routes: Vec<TurnRoute>,
-    /// The grasp with which each begins; `None`: any.
+    /// The grasp with which each route begins; `None`: any.
     pub start: Option<Grasp>,
     /// Least number of steps turned by the routes left out; `None` if there are none.
     pub left_out: Option<u64>,
@@ -69,7 +72,8 @@ pub fn routes(order: &FingersOrder, steps: Range<usize>, held: Option<Holding>) 
 }
 
 impl Routes {
-    /// The routes, each with a last leg to a grasp that all fingers can leave; `None` where the task names the grasp.
+    /// The routes, each with an additional last leg to a grasp that all fingers can leave; `None` if the task names the
+    /// last grasp.
     pub fn released(&self) -> Option<Routes> {
         let mut routes = self.clone();
         for route in &mut routes.routes {
@@ -80,12 +84,13 @@ impl Routes {
     }
 }
 
-/// Least number of steps that a choice of turns rolls.
+/// Number of steps that a choice of turns rolls, at least.
 fn turned(turns: &[(usize, FingersTurn)]) -> u64 {
     turns.iter().map(|(_, turn)| u64::from(turn.steps.unsigned_abs())).sum()
 }
 
-/// The turns of the steps, one list for each combination of alternatives; and the least turning of the combinations left out.
+/// The turns of the steps, one list for each combination of alternatives, and the least number of steps turned by the
+/// combinations left out.
 fn choices(order: &FingersOrder, steps: Range<usize>) -> (Vec<Vec<(usize, FingersTurn)>>, Option<u64>) {
     let mut choices: Vec<Vec<(usize, FingersTurn)>> = vec![Vec::new()];
     let mut left_out: Option<u64> = None;
@@ -139,8 +144,8 @@ pub fn takes_hold(action: &FingersAction) -> bool {
     }
 }
 
-/// The planes in which the fingers may take hold, where nothing in the range says which: no turn, no grasp on named contacts, and nothing
-/// held. `None` leaves it to the turns.
+/// Planes in which the fingers may take hold if nothing in the range determines the plane: no turn, no grasp on named
+/// contacts, and nothing held. `None` leaves the plane to the turns.
 fn free_planes(order: &FingersOrder, steps: &Range<usize>, held: Option<Holding>) -> Vec<Option<Plane>> {
     let is_bound = order.steps[steps.clone()].iter().any(|step| match &step.action {
         FingersAction::Rotate { .. } | FingersAction::Orient { .. } | FingersAction::Grasp(Some(_)) => true,
@@ -155,7 +160,8 @@ fn free_planes(order: &FingersOrder, steps: &Range<usize>, held: Option<Holding>
     planes.map(Some).collect()
 }
 
-/// The plane in which a step begins or ends to turn, by the end of its turns that is asked for; of an orientation its first way's.
+/// Plane of the first or the last turn of a step, as picked by `end`; for an `orient` step, of its first alternative
+/// that turns.
 fn turned_in(step: &FingersStep, end: fn(&[FingersTurn]) -> Option<&FingersTurn>) -> Option<Plane> {
     match &step.action {
         FingersAction::Rotate { plane, .. } => Some(*plane),
@@ -171,7 +177,8 @@ fn route(
     held: Option<Holding>,
     free: Option<Plane>,
 ) -> TurnRoute {
-    // That of the next turn of the task, else of its last one: turns of this range as chosen, the others as written.
+    // The plane is that of the next turn of the task, else of its last one: turns of this range as chosen, other turns
+    // as written.
     let last = turns.last().map(|(_, turn)| turn.plane).or_else(|| {
         let mut before = order.steps[..steps.start].iter().rev();
         before.find_map(|step| turned_in(step, <[FingersTurn]>::last))
@@ -183,7 +190,7 @@ fn route(
     };
     let mut route = TurnRoute::new();
     let mut is_held = held.is_some();
-    // A wait before it stays one.
+    // A wait before the first hold remains a wait.
     let begins = steps.clone().find(|step| takes_hold(&order.steps[*step].action)).unwrap_or(steps.start);
     for step in steps {
         if let FingersAction::Grasp(contacts) = &order.steps[step].action {
@@ -199,7 +206,7 @@ fn route(
         for (_, turn) in turns.iter().filter(|(of, _)| *of == step) {
             route.push(RouteTurn { step, turn: *turn, end: LegEnd::Any });
         }
-        // An orientation that is reached already turns nothing, but any grasp may hold the part there.
+        // An `orient` step that is already fulfilled turns nothing, but any grasp may hold the part there.
         is_held |= matches!(order.steps[step].action, FingersAction::Rotate { .. } | FingersAction::Orient { .. });
     }
     let first = route.first().map_or((begins, plane_at(begins)), |first| (first.step, first.turn.plane));
@@ -219,7 +226,7 @@ mod tests {
     use crate::device::fingers::fixture::hand;
     use crate::source::Span;
 
-    /// Orientations of so many ways each: what the ways turn is different for each of them.
+    /// Three orientations with these numbers of alternatives; each combination turns a different number of steps.
     fn asked(ways: [i32; 3], is_loaded: bool) -> Routes {
         let step = |(scale, count): (i32, i32)| {
             let turns = (1..=count).map(|steps| vec![FingersTurn { plane: Plane::Xy, steps: scale * steps }]).collect();
@@ -231,7 +238,7 @@ mod tests {
         routes(&FingersOrder { load_un, ..hand_order(hand(), steps) }, 0..3, None)
     }
 
-    /// Beyond the cap the routes that turn most are left out, and it is known how little they turn.
+    /// Beyond the cap the routes that turn most are left out, and the least number of steps that they turn is known.
     #[test]
     fn what_is_left_out_is_counted() {
         let counts = |routes: &Routes| (routes.routes.len(), routes.left_out);

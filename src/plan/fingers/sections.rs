@@ -1,5 +1,5 @@
-//! The sections of a part prepared for planning: their curves, the approach paths to their contacts, and the tables of their grasp
-//! graphs.
+//! The sections of a part, prepared for planning: their curves, the approach paths to their contacts, and the tables of
+//! their grasp graphs.
 
 use super::graph::{Grasp, GraspNode, GraspPath, Regrasp, TurnLeg};
 use super::looks::LooksBudget;
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// After this many lapses in one layer, all its steps are checked closely.
+/// Number of lapses in one layer after which all its steps are checked closely.
 const MANY_LAPSES: u32 = 3;
 
 /// Result of a close check of a path.
@@ -24,7 +24,7 @@ const MANY_LAPSES: u32 = 3;
 pub enum Sifted {
     /// Its grasps hold throughout.
     Sound,
-    /// Some lapsed between two angles; the tables now exclude those steps.
+    /// Some grasps lapse between two angles; the tables now exclude those steps.
     Lapsed,
 }
 
@@ -42,7 +42,7 @@ pub struct Sections<'a> {
     looks: Rc<LooksBudget>,
 }
 
-/// How grasps under a load are evaluated.
+/// Evaluation of grasps under a load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadedSections {
     /// Lazily, grasp by grasp, as the search meets them.
@@ -62,10 +62,10 @@ struct Ready<'a> {
 /// highest angle.
 type TableKey = (Plane, Option<([u64; 4], [i32; 2])>);
 
-/// Key of a leg's lazy answers: the plane, and the bits of the part's orientation at the start of the leg.
+/// Key of a leg's lazily evaluated grasps: the plane, and the bits of the part's orientation at the start of the leg.
 type LazyKey = (Plane, [u64; 4]);
 
-/// Key of a plane's tables without a load, in which fingers may leave wherever they may be placed.
+/// Key of a plane's tables without a load, in which fingers may be removed wherever they may be placed.
 fn unloaded(plane: Plane) -> TableKey {
     (plane, Some(([u64::MAX; 4], [0; 2])))
 }
@@ -99,7 +99,7 @@ impl<'a> Sections<'a> {
         HandSections { facts: &self.order.facts, xy: self.xy.side(), xz: self.xz.as_ref().map(Ready::side) }
     }
 
-    /// The remaining looks of its searches.
+    /// Budget of looks of the searches.
     pub fn looks(&self) -> &Rc<LooksBudget> {
         &self.looks
     }
@@ -118,8 +118,8 @@ impl<'a> Sections<'a> {
         self.ready(plane).section.step_rad
     }
 
-    /// Lower bound on the distance that every tip moves while the part turns by a step in a plane; tips may be off their contacts
-    /// by the tolerance.
+    /// Lower bound on the distance that every tip moves while the part turns by one step in a plane; tips may be off
+    /// their contacts by the tolerance.
     pub fn least_way_um(&self, plane: Plane) -> f64 {
         let ready = self.ready(plane);
         let facts = &self.order.facts;
@@ -140,7 +140,7 @@ impl<'a> Sections<'a> {
         self.ready(plane).section.opposite.map_or(0, |contact| contact as usize - 1)
     }
 
-    /// The legs of a route that begins in an orientation.
+    /// The legs of a route that begins in the orientation `start`.
     ///
     /// # Errors
     /// If a section has too many contacts for its tables.
@@ -171,10 +171,10 @@ impl<'a> Sections<'a> {
         Ok(legs)
     }
 
-    /// The lowest and the highest angle that a turn may visit: one revolution beyond its start and its goal, either way.
+    /// Range of angles that a turn may visit: up to one revolution beyond its start and its goal, in either direction.
     ///
-    /// The paper's turns visit one revolution in their own sense. A plan may need less effort, or exist at all, where the part first
-    /// turns back; with this window, the mirror image of a task costs what the task does.
+    /// The paper's turns visit one revolution in their own direction. A plan that first turns the part back may need
+    /// less effort, or be the only one; with this window, a task costs as much as its mirror image.
     fn angles(&self, turn: FingersTurn) -> [i32; 2] {
         let round = i32::try_from(self.order.facts.steps_per_turn).unwrap_or(i32::MAX);
         [turn.steps.min(0).saturating_sub(round), turn.steps.max(0).saturating_add(round)]
@@ -186,12 +186,11 @@ impl<'a> Sections<'a> {
         orientation * UnitQuaternion::from_axis_angle(&axis, f64::from(turn.steps) * self.step_rad(turn.plane))
     }
 
-    /// Checks every rolling step of a path closely, and removes from the tables the steps in which its grasp lapses; returns
-    /// whether there were any.
+    /// Checks every rolling step of a path closely, and removes from the tables the steps in which its grasp lapses.
     ///
-    /// The tables check a few instants of each step, the close check many. A path that passes is still cheapest, since only edges
-    /// that do not exist were removed. Where a layer lapses repeatedly, all of it is checked closely, so that the search is not
-    /// repeated for each of its edges; half of the remaining looks may go into that.
+    /// The tables check a few instants of each step, the close check many. A path that passes is still cheapest, since
+    /// only edges that do not exist were removed. In a layer with repeated lapses all steps are checked closely, so
+    /// that the search is not repeated for each of its edges; this may take half of the remaining looks.
     pub fn sift(&mut self, route: &TurnRoute, way: &GraspPath, start: UnitQuaternion<f64>) -> Sifted {
         let mut orientation = start;
         let mut sifted = Sifted::Sound;
@@ -223,10 +222,11 @@ impl<'a> Sections<'a> {
         sifted
     }
 
-    /// An order in which the holding fingers, counted from 0, can leave until none is left; `None` if there is none, or if the
-    /// section has too many contacts for its tables.
+    /// An order in which the holding fingers, counted from 0, can leave until none is left; `None` if there is none, or
+    /// if the section has too many contacts for its tables.
     ///
-    /// Of three fingers the first one leaves as in a turn; against the last two, the support holds the part.
+    /// The first of three fingers leaves as it does during a turn; while the last two leave, the support holds the
+    /// part.
     pub fn leaving(&mut self, holding: Holding, orientation: UnitQuaternion<f64>) -> Option<Vec<usize>> {
         let lazy = self.lazy(holding.plane, orientation);
         let tables = lazy.is_none().then(|| self.tables(holding.plane, orientation, [0, 0])).transpose().ok()?;
@@ -242,7 +242,7 @@ impl<'a> Sections<'a> {
         leave_in_turn(&stay, &leaves, &|contact, rest| reach.way(contact, rest).is_some(), &mut order).then_some(order)
     }
 
-    /// Tables of a plane in which only those grasps hold that all fingers can leave, without a load.
+    /// Tables of a plane without a load, in which only those grasps hold that all fingers can leave.
     fn releasable(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Result<Arc<Tables>, NoTables> {
         let whole = self.tables(plane, orientation, [0, 0])?;
         let mut tables = Tables { contacts: whole.contacts, layers: vec![whole.layer(0).clone()] };
@@ -268,7 +268,7 @@ impl<'a> Sections<'a> {
         Ok(Arc::new(tables))
     }
 
-    /// Whether a grasp holds under the load without a motion.
+    /// Whether a grasp holds under the load while nothing moves.
     pub fn bears(&mut self, holding: Holding, orientation: UnitQuaternion<f64>) -> bool {
         if self.order.load_un == [0.0; 3] {
             return true;
@@ -276,14 +276,14 @@ impl<'a> Sections<'a> {
         self.under_load(holding.plane, orientation).holds(0, &contacts_of(holding.grasp))
     }
 
-    /// Evaluation of grasps in a plane under the load, of a part in an orientation.
+    /// Evaluator of grasps in a plane under the load, for a part in an orientation.
     fn under_load(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Lazy {
         let facts = &self.order.facts;
         let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
         Lazy::of(facts, &self.ready(plane).contacts(facts), load, Rc::clone(&self.looks))
     }
 
-    /// Lazy evaluation under the load of a leg, unless it has tables of its own.
+    /// Lazy evaluator of a leg under the load; `None` without a load, or if the leg has tables of its own.
     fn lazy(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Option<Rc<Lazy>> {
         if self.order.load_un == [0.0; 3] || self.loaded == LoadedSections::Tabulated {
             return None;
@@ -297,7 +297,8 @@ impl<'a> Sections<'a> {
         Some(lazy)
     }
 
-    /// Tables of a plane that contain those under any load: no load acts, and fingers leave wherever they may be placed.
+    /// Tables of a plane that include all grasps possible under any load: no load acts, and fingers may be removed
+    /// wherever they may be placed.
     fn loosest(&mut self, plane: Plane) -> Result<Arc<Tables>, NoTables> {
         if let Some(known) = self.known.get(&unloaded(plane)) {
             return Ok(Arc::clone(known));
@@ -337,8 +338,9 @@ impl<'a> Sections<'a> {
     }
 }
 
-/// Whether fingers on these contacts, by finger, can leave one after the other; `order` gets them as they leave. `leaves` tells whether the
-/// third of three may go while two stay, `has_way` whether one has a way out beside those that stay.
+/// Whether fingers on contacts, as (finger, contact), can leave one after the other; `order` receives the fingers in
+/// that order. `leaves` states whether the third of three may leave while two stay, `has_way` whether a finger has a
+/// way out beside those that stay.
 fn leave_in_turn(
     stay: &[(usize, usize)],
     leaves: &dyn Fn([usize; 2], usize) -> bool,
@@ -377,7 +379,7 @@ fn rolls(nodes: &[GraspNode]) -> impl Iterator<Item = (i32, Grasp)> {
     steps.filter_map(|pair| pair.iter().min_by_key(|node| node.angle)).map(|node| (node.angle, node.grasp))
 }
 
-/// Cache key of a leg's answers under a load.
+/// Cache key of a leg's lazily evaluated grasps.
 fn lazy_key(plane: Plane, orientation: UnitQuaternion<f64>) -> LazyKey {
     let [x, y, z, w]: [f64; 4] = orientation.coords.into();
     (plane, [x, y, z, w].map(f64::to_bits))

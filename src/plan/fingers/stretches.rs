@@ -1,7 +1,8 @@
-//! The stretches of a task, each from a first grasp to a release as one problem, then the motions of the fingers.
+//! Planning of a task stretch by stretch, each stretch from a first grasp to a release as one problem; then the motions
+//! of the fingers.
 //!
-//! After each stretch the part stands where its turns and translations have carried it, so a stretch without a plan leaves the
-//! later ones without a start: the job ends there.
+//! After each stretch the part stands where its turns and translations have carried it. A stretch without a plan leaves
+//! the later ones without a start, so the job ends there.
 
 use super::course::{follow, reconfigurations};
 use super::graph::{
@@ -35,11 +36,11 @@ pub enum FirstCriterion {
     Reconfigurations,
 }
 
-/// How the path of a stretch is chosen.
+/// Criteria by which the path of a stretch is chosen.
 #[derive(Debug, Clone, Copy)]
 pub struct PathChoice {
     pub first: FirstCriterion,
-    /// Limit on the reconfigurations; unlimited where there is no number.
+    /// Limit on reconfigurations; `None`: unlimited.
     pub gaits: Option<u32>,
 }
 
@@ -57,11 +58,11 @@ pub struct AskedStretch<'a> {
     pub stance: Option<&'a Stance>,
     pub open: LeftOpen,
     pub first: FirstCriterion,
-    /// Limit on the reconfigurations of each stretch; unlimited where there is no number.
+    /// Limit on the reconfigurations of each stretch; unlimited where it is `None` or missing.
     pub gaits: Vec<Option<u32>>,
 }
 
-/// What of a stance the tasks before left open: other plans of theirs, as good as the one that was chosen, end otherwise.
+/// Parts of a stance that earlier tasks left open: other plans for them, as good as the chosen one, end differently.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LeftOpen {
     /// The grasp, which no task names.
@@ -75,9 +76,9 @@ impl LeftOpen {
     }
 }
 
-/// A plan, with its limits not yet checked.
+/// A plan whose limits have not been checked yet.
 pub struct Done {
-    /// Its proof concerns the primary criterion.
+    /// Its proof refers to the primary criterion.
     pub plan: Plan<FingersMotion>,
     /// The stance after it.
     pub end: Stance,
@@ -91,12 +92,12 @@ pub struct TaskStretch {
     /// The effort, in units of [`costs`].
     pub cost: u64,
     pub gaits: u64,
-    /// Whether no path of the stretch has less effort within the given limit.
+    /// Whether the path is proven optimal by the primary criterion, within the given limit.
     pub is_best: bool,
 }
 
 impl Done {
-    /// Sum of its reconfigurations.
+    /// Total number of reconfigurations.
     pub fn gaits(&self) -> u64 {
         self.stretches.iter().map(|stretch| stretch.gaits).sum()
     }
@@ -105,31 +106,33 @@ impl Done {
 /// Start of a stretch, and its steps.
 pub struct Begins {
     pub held: Option<Holding>,
-    /// That of the part.
+    /// Orientation of the part.
     pub orientation: UnitQuaternion<f64>,
     pub steps: Range<usize>,
 }
 
-/// Why there is no plan; `at` is the step of the order at which planning ended.
+/// Reason why there is no plan; `at` is the step of the order at which planning ended.
 pub enum NoCourse {
     /// The stretch has no path.
     Blocked { at: usize, blocked: FarthestRoute, planned: Routes, begins: Begins },
-    /// The stretch has no path from the grasp that the task before left, though it may have one from another: `from`, where it is known.
+    /// The stretch has no path from the grasp that the task before left, though it may have one from another: `from`,
+    /// if one is known.
     OtherGrasp { at: usize, from: Option<Grasp> },
     /// The search for a path gave up.
     GaveUp { at: usize, end: GraspSearchEnd },
     /// A section has no tables.
     NoTables { at: usize, none: NoTables },
-    /// The grasp with which a stretch begins, which no turn changes, does not hold under the load; `open` where no task names it.
+    /// The grasp with which a stretch begins, and which it does not change, does not hold under the load. `open` states
+    /// what earlier tasks left open.
     LetsGo { at: usize, held: Holding, orientation: UnitQuaternion<f64>, open: LeftOpen },
-    /// No finger may leave the grasp that a release meets.
+    /// No order was found in which the fingers can leave the grasp at a release.
     NoRelease { at: usize },
     /// The fingers cannot follow the path.
     NoWay(WayError),
 }
 
 impl NoCourse {
-    /// Whether it is proven for an order that there is no plan.
+    /// Whether it is proven that the order has no plan.
     pub fn is_proven(&self, order: &FingersOrder) -> bool {
         match self {
             NoCourse::Blocked { planned, .. } => {
@@ -145,7 +148,7 @@ impl NoCourse {
     }
 }
 
-/// A plan, or why there is none.
+/// Plans a task; without a plan, the error gives the reason.
 pub fn carried_out(sections: &mut Sections, asked: &AskedStretch) -> Result<Done, Box<NoCourse>> {
     let AskedStretch { order, stance, .. } = *asked;
     let start = stance.cloned().unwrap_or_else(|| sections.hand().home(order.part.position_um));
@@ -164,7 +167,8 @@ pub fn carried_out(sections: &mut Sections, asked: &AskedStretch) -> Result<Done
     Ok(Done { plan: tally.sums.plan(order, motion), end, open, stretches })
 }
 
-/// Reserve while tips roll, in percent; `None` if it is zero or has no effect: with adhesion and without a load, every grasp holds.
+/// Reserve while tips roll, in percent; `None` if it is zero or has no effect, since every grasp holds with adhesion
+/// and without a load.
 pub fn kept_back(order: &FingersOrder) -> Option<String> {
     let facts = &order.facts;
     let counts = facts.rolling_reserve > 0.0 && (facts.sticking_un() == 0.0 || order.load_un != [0.0; 3]);
@@ -192,7 +196,7 @@ struct HandTally<'a> {
     acts: Vec<Vec<FingerAct>>,
     held: Option<Holding>,
     orientation: UnitQuaternion<f64>,
-    /// What the path up to here left open.
+    /// Parts of the stance that the path up to here left open.
     open: LeftOpen,
     sums: Sums,
     stretches: Vec<TaskStretch>,
@@ -202,7 +206,7 @@ struct HandTally<'a> {
 struct Sums {
     /// The effort, in units of [`costs`].
     cost: u64,
-    /// In the same units, lower bound on the primary criterion: effort, or reconfigurations only.
+    /// Lower bound on the effort, in the same units; 0 if reconfigurations come first.
     bound: u64,
     /// Whether each path is optimal by its primary criterion.
     is_best: bool,
@@ -250,10 +254,11 @@ impl<'a> HandTally<'a> {
         Ok(())
     }
 
-    /// The cheapest path through the turns of a stretch.
+    /// Finds the cheapest path through the turns of a stretch.
     fn turn(&mut self, sections: &mut Sections, index: usize, stretch: Range<usize>) -> Result<(), Box<NoCourse>> {
         let mut planned = routes(self.order, stretch.clone(), self.held);
-        // Under a load, another earlier path might have left the part where it is easier to hold.
+        // Under a load, other plans of earlier tasks might have left the part in an orientation in which it is easier
+        // to hold.
         if self.open.orientation && self.order.load_un != [0.0; 3] {
             let least = least_steps(&planned);
             planned.left_out = Some(planned.left_out.map_or(least, |known| known.min(least)));
@@ -268,10 +273,10 @@ impl<'a> HandTally<'a> {
                 match released {
                     Some((released, Ok(GraspAnswer::Found(other)))) => {
                         planned = released;
-                        // The bound is that of all grasps.
+                        // The bound covers all grasps with which the stretch may end.
                         GraspPath { bound: way.bound, ..other }
                     }
-                    // What is done about the first one is said at the release.
+                    // The release reports that fingers cannot leave the first path's grasp.
                     Some(_) | None => way,
                 }
             }
@@ -327,7 +332,8 @@ impl<'a> HandTally<'a> {
         Ok(())
     }
 
-    /// The answer where a stretch may begin with any grasp; `None` where the one that is held is named by a task, or none is held.
+    /// Answer for a stretch that may begin with any grasp; `None` if no grasp is held, if a task names the held one, or
+    /// for the greedy planner.
     fn begun_with_any_grasp(
         &self,
         sections: &mut Sections,
@@ -342,7 +348,7 @@ impl<'a> HandTally<'a> {
         })
     }
 
-    /// Of a stretch without a path: that another grasp at its beginning may have one.
+    /// Result for a stretch without a path from the held grasp, if another grasp at its beginning may have one.
     fn other_grasp(&self, sections: &mut Sections, planned: &Routes, chosen: PathChoice) -> Option<NoCourse> {
         let from = match self.begun_with_any_grasp(sections, planned, chosen)? {
             Ok(GraspAnswer::Impossible(_)) => return None,
@@ -352,7 +358,7 @@ impl<'a> HandTally<'a> {
         Some(NoCourse::OtherGrasp { at: step_of(planned, 0, 0), from })
     }
 
-    /// A path with the bound of all paths, whatever grasp the task before left.
+    /// The path, with a bound that holds for all paths from any grasp that the task before could have left.
     fn held_against_any(
         &mut self,
         sections: &mut Sections,
@@ -383,7 +389,7 @@ impl<'a> HandTally<'a> {
         GraspPath { bound: way.bound.min(bound.max(least)), ..way }
     }
 
-    /// Remark: from which other grasp the task would cost less.
+    /// Remark that names another first grasp from which the task would cost less.
     fn better_begun(&self, grasp: Grasp, way: &GraspPath) -> Remark {
         let cost = digits(effort(self.order, way) as f64 / f64::from(self.order.facts.steps_per_turn));
         let text = format!(
@@ -394,8 +400,8 @@ impl<'a> HandTally<'a> {
         Remark { subject: "begins".to_owned(), text }
     }
 
-    /// Whether the steps up to one end with a release and fingers cannot leave the grasp at the end of a path. Under a load no other one is
-    /// looked for.
+    /// Whether the steps before `end` end with a release and the fingers cannot leave the grasp at the end of a path.
+    /// Always `false` under a load, where no other grasp is searched.
     fn is_stuck_after(&self, sections: &mut Sections, planned: &Routes, way: &GraspPath, end: usize) -> bool {
         let is_released = self.order.steps[..end].last().is_some_and(|step| step.action == FingersAction::Release);
         let (mut orientation, route) = (self.orientation, &planned.routes[way.route]);
@@ -407,7 +413,7 @@ impl<'a> HandTally<'a> {
             && held.is_some_and(|held| sections.leaving(held, orientation).is_none())
     }
 
-    /// All fingers leave, in an order in which the remaining ones always hold.
+    /// Removes all fingers, in an order in which the remaining ones always hold.
     fn release(&mut self, sections: &mut Sections, step: usize) -> Result<(), Box<NoCourse>> {
         let Some(holding) = self.held.take() else { return Ok(()) };
         self.open.grasp = false;
@@ -423,7 +429,7 @@ fn first_grasp(way: &GraspPath) -> Option<Grasp> {
     Some(way.legs.first()?.first()?.grasp)
 }
 
-/// `grasp bead at (1, 38)`.
+/// A grasp as text: `grasp bead at (1, 38)`.
 pub fn grasp_text(order: &FingersOrder, grasp: Grasp) -> String {
     let contacts: Vec<String> =
         grasp.list(order.facts.fingers as usize).iter().map(|contact| contact.to_string()).collect();
@@ -431,9 +437,9 @@ pub fn grasp_text(order: &FingersOrder, grasp: Grasp) -> String {
     format!("grasp {} at {open}{}{close}", order.part.name, contacts.join(", "))
 }
 
-/// The planner's answer whose path holds at every instant, within a limit on reconfigurations.
+/// The planner's answer, whose path holds at every instant, within a limit on reconfigurations.
 ///
-/// Under a load, grasps are first evaluated lazily, with half of the looks; if that is not enough, tables are used.
+/// Under a load, grasps are first evaluated lazily, with half of the looks; if these do not suffice, tables are built.
 ///
 /// # Errors
 /// Where a section has too many contacts for its tables, or the looks are spent.
@@ -456,8 +462,8 @@ pub fn sound(
     Ok(tabulated.unwrap_or(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })))
 }
 
-/// A path with a grasp that lapses between two angles is searched again without that step, as often as necessary: every search has
-/// fewer steps left, so this ends. All searches together keep to the budget.
+/// If a grasp of the path lapses between two angles, the search is repeated without that step, as often as necessary.
+/// Every search has fewer steps left, so this ends. All searches together keep to the budget.
 fn lasting(
     order: &FingersOrder,
     sections: &mut Sections,
@@ -496,7 +502,7 @@ fn lasting(
 /// Cost of rolling one finger by a step, in the unit of [`costs`].
 const ROLL: u64 = 360;
 
-/// Cost of a reconfiguration where their number comes first: larger than the rolling of any path.
+/// Cost of a reconfiguration if their number comes first: larger than the rolling of any path.
 const MORE_THAN_ALL_ROLLING: u32 = 1 << 24;
 
 /// Least number of steps that the routes roll.
@@ -516,7 +522,7 @@ fn effort(order: &FingersOrder, way: &GraspPath) -> u64 {
     pairs.map(cost).sum()
 }
 
-/// Costs as whole numbers, in units of a degree divided by the steps of a turn.
+/// Costs as whole numbers, in degrees divided by the steps of a turn.
 fn costs(order: &FingersOrder) -> GraspCosts {
     let gait = order.facts.gaiting_cost_deg * f64::from(order.facts.steps_per_turn);
     GraspCosts { roll: ROLL as u32, gait: gait.round() as u32 }
@@ -554,7 +560,7 @@ fn step_of(planned: &Routes, route: usize, leg: usize) -> usize {
     planned.routes.get(route).and_then(|route| route.get(leg)).map_or(0, |turning| turning.step)
 }
 
-/// A turn as text, by the angle of its whole steps: `79.99 deg about z`.
+/// A turn as text, with the angle of its whole steps: `79.99 deg about z`.
 fn turn_text(sections: &Sections, turn: FingersTurn) -> String {
     let axis = match turn.plane {
         Plane::Xy => "z",

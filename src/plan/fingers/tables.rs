@@ -1,4 +1,5 @@
-//! Tables of the grasp graph of one section: which grasps hold, which fingers may be placed or removed, and which grasps may roll.
+//! Tables of the grasp graph of one section: the grasps that hold, the fingers that may be placed or removed, and the
+//! grasps that may roll.
 //!
 //! Contacts are counted from 0 here, and from 1 in grasps. The graph itself is never built: these bits decide every edge.
 
@@ -32,7 +33,7 @@ impl ContactBits {
         self.words[index / 64] &= !(1 << (index % 64));
     }
 
-    /// Inserts the numbers of a row, one per set bit, counted from `start`.
+    /// Inserts the numbers given by a row of bits, where bit 0 stands for `start`.
     pub fn put_row(&mut self, start: usize, row: &[u64]) {
         let (word, shift) = (start / 64, start % 64);
         for (k, bits) in row.iter().enumerate().filter(|(_, bits)| **bits != 0) {
@@ -43,7 +44,7 @@ impl ContactBits {
         }
     }
 
-    /// Reads `length` numbers from `start` on into a row, whose words must have room for them.
+    /// Reads `length` numbers from `start` on into a row of bits, which must have room for them.
     pub fn read_row(&self, start: usize, length: usize, row: &mut [u64]) {
         let (word, shift) = (start / 64, start % 64);
         for (k, bits) in row.iter_mut().enumerate() {
@@ -70,9 +71,10 @@ impl ContactBits {
 /// The grasps of one section.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tables {
-    /// c: contacts are 0 to c - 1, in the order in which positive turns pass them: after one step, contact i becomes i - 1.
+    /// Number c of contacts. They are 0 to c - 1, in the order in which positive turns pass them: after one step,
+    /// contact i becomes i - 1.
     pub contacts: usize,
-    /// One layer if all angles are alike, else one per angle of the leg from its lowest on (under a load).
+    /// One layer if all angles are alike; otherwise (under a load) one per angle of the leg, from its lowest on.
     pub layers: Vec<AngleLayer>,
 }
 
@@ -106,7 +108,7 @@ impl Tables {
         orders.map(|[i, j, k]| self.three(i, j, k))
     }
 
-    /// Removes a grasp of two contacts from all layers, with the ways to it and from it.
+    /// Removes a grasp of two contacts from all layers, with the placements and removals that need it.
     pub fn remove_pair(&mut self, [i, j]: [usize; 2]) {
         let pair = self.pair([i, j]);
         let ways: Vec<usize> = (0..self.contacts).flat_map(|k| [self.three(i, j, k), self.three(j, i, k)]).collect();
@@ -116,7 +118,7 @@ impl Tables {
         }
     }
 
-    /// As [`Self::remove_pair`], of three contacts.
+    /// Removes a grasp of three contacts from all layers, with the placements and removals between it and its pairs.
     pub fn remove_triple(&mut self, contacts: [usize; 3]) {
         let triple = self.triple(contacts);
         for layer in &mut self.layers {
@@ -131,19 +133,20 @@ fn take_all(sets: [&mut ContactBits; 2], numbers: &[usize]) {
     sets.into_iter().for_each(|set| numbers.iter().for_each(|number| set.take(*number)));
 }
 
-/// Grasps at one angle. Sets of pairs are symmetric; sets of triples too, except in the last contact of `place` and `leave`.
+/// Grasps at one angle. Sets of pairs are symmetric. Sets of triples are, too, except for the last contact in `place`
+/// and `leave`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AngleLayer {
-    /// Two fingers hold.
+    /// Pairs of contacts that hold.
     pub pair: ContactBits,
-    /// Three fingers hold.
+    /// Triples of contacts that hold.
     pub triple: ContactBits,
-    /// Two fingers keep holding while the object turns by a step, from here to the next angle.
+    /// Pairs that keep holding while the object turns by a step, from this angle to the next.
     pub roll_pair: ContactBits,
-    /// Three fingers do so.
+    /// Triples that keep holding while the object turns by a step.
     pub roll_triple: ContactBits,
-    /// While the first two hold, a finger may be placed on the third contact.
+    /// Triples: while the first two contacts hold, a finger may be placed on the third.
     pub place: ContactBits,
-    /// While the first two hold, the finger on the third contact may be removed.
+    /// Triples: while the first two contacts hold, the finger on the third may be removed.
     pub leave: ContactBits,
 }

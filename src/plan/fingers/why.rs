@@ -1,4 +1,4 @@
-//! Explanation of a stretch without a plan: which turn, how far it gets, and what would make it possible.
+//! Reports on a stretch without a plan: the turn that fails, how far it gets, and changes that would make it possible.
 
 use super::Stance;
 use super::graph::{FarthestRoute, Grasp, GraspAnswer, GraspSearchEnd};
@@ -25,13 +25,13 @@ use nalgebra::UnitQuaternion;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Greatest friction that a help tries.
+/// Largest friction coefficient that is tried for a help.
 const MOST_FRICTION: f64 = 2.0;
 
-/// Resolution of the figures that a help proposes.
+/// Resolution of the values that a help proposes.
 const GRAIN: f64 = 0.01;
 
-/// Text of the messages about one step.
+/// Builder of the messages about one step.
 struct HandReasons<'a> {
     order: &'a FingersOrder,
     job: &'a Job,
@@ -41,17 +41,17 @@ struct HandReasons<'a> {
     at: usize,
 }
 
-/// What is known of a plan with changed figures.
+/// Knowledge about a plan with changed figures of the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Known {
     There,
     /// Proven, for the stretch that has no plan without the change.
     None,
-    /// The looks are spent.
+    /// Unknown, because the looks are spent or the plan fails elsewhere.
     Nothing,
 }
 
-/// Trials of changed figures, which share their looks.
+/// Trials of changed figures, which share a budget of looks.
 struct Trials<'a> {
     why: &'a HandReasons<'a>,
     begins: &'a Begins,
@@ -184,7 +184,7 @@ impl HandReasons<'_> {
             .reached(self.reach(blocked, leg))
     }
 
-    /// Report: there is no plan from the grasp with which the task begins, which the planner chose for the one before.
+    /// Report: there is no plan from the grasp with which the task begins, which the planner chose for the task before.
     fn otherwise_begun(&self, from: Option<Grasp>) -> Diagnostic {
         let title = format!(
             "no sequence of stable grasps carries out {} from the grasp with which its task begins",
@@ -205,7 +205,7 @@ impl HandReasons<'_> {
             .help(help)
     }
 
-    /// Report: the load of a task that changes no finger is too much for the grasp of the one before.
+    /// Report: the grasp left by the task before does not hold under the load of a task that changes no finger.
     fn lets_go(&self, held: Holding, orientation: &UnitQuaternion<f64>, open: LeftOpen) -> Diagnostic {
         let code = if open.is_any() { Code::E0602 } else { Code::E0601 };
         let title = "the grasp with which this task begins does not hold under its load";
@@ -215,7 +215,7 @@ impl HandReasons<'_> {
             .help("let the task before it end with a `grasp` that holds under this load, or lessen the load")
     }
 
-    /// How far the turn comes that has no end, where that was found out.
+    /// Reached part of a turn whose end is unreachable; `None` if it is not known.
     fn reach(&self, blocked: &FarthestRoute, leg: RouteTurn) -> Option<Reach> {
         let reached = blocked.farthest.filter(|_| blocked.is_known)?;
         let extent = ReachExtent::Turn {
@@ -226,13 +226,13 @@ impl HandReasons<'_> {
         Some(Reach { what: self.order.part.name.clone(), extent })
     }
 
-    /// Steps of a turn in degrees, without the noise of the division.
+    /// Steps of a turn in degrees, without the rounding noise of the division.
     fn degrees(&self, steps: i32) -> f64 {
         let step_deg = 360.0 / f64::from(self.order.facts.steps_per_turn);
         (f64::from(steps) * step_deg * 1e6).round() / 1e6
     }
 
-    /// The greedy planner got stuck, which proves nothing about other paths.
+    /// Report: the greedy planner got stuck, which proves nothing about other paths.
     fn greedy(&self, trials: &Trials) -> Diagnostic {
         let stuck = Diagnostic::new(Code::E0602, format!("the greedy planner is stuck at {}", self.what()));
         match trials.try_with(&changed(self.order, &|_| ())) {
@@ -248,12 +248,13 @@ impl HandReasons<'_> {
         }
     }
 
-    /// Torque of the load about the line through the two contacts with which a stretch must begin, where tips cannot bear it.
+    /// Label on the load's torque about the line through the two contacts with which a stretch must begin, if the tips
+    /// cannot bear it.
     fn torque_left(&self, planned: &Routes, orientation: &UnitQuaternion<f64>) -> Option<String> {
         self.torque_of(planned.start?, planned.routes.first()?.first()?.turn.plane, orientation)
     }
 
-    /// Torque of the load about the line through two contacts that hold, where tips cannot bear it.
+    /// Label on the load's torque about the line through two contacts that hold, if the tips cannot bear it.
     fn torque_of(&self, grasp: Grasp, plane: Plane, orientation: &UnitQuaternion<f64>) -> Option<String> {
         let order = self.order;
         let section = order.part.section(plane)?;
@@ -272,7 +273,8 @@ impl HandReasons<'_> {
         ))
     }
 
-    /// Assumption of the proof besides the figures of the device: the reserve, where it matters.
+    /// Text on an assumption of the proof besides the figures of the device: the rolling reserve; empty if it has no
+    /// effect.
     fn kept_back(&self) -> String {
         match kept_back(self.order) {
             Some(share) => format!("; {share} % of friction and forces are kept back while it rolls"),
@@ -280,7 +282,7 @@ impl HandReasons<'_> {
         }
     }
 
-    /// How far the fingers get.
+    /// Label on how far the fingers get.
     fn where_blocked(&self, blocked: &FarthestRoute, leg: RouteTurn, next: Option<&RouteTurn>) -> String {
         let degrees = |steps: i32| digits(self.degrees(steps));
         let [i, j] = [1, self.order.part.section(leg.turn.plane).and_then(|section| section.opposite).unwrap_or(1)];
@@ -309,13 +311,14 @@ impl HandReasons<'_> {
         junction.map_or(reached.clone(), |junction| format!("{reached}; {junction}"))
     }
 
-    /// Changes that would make it possible: for each figure the value nearest to the device's. Each is tried with the whole task.
+    /// Help with changes that would make it possible: for each figure the value nearest to the device's. Each is tried
+    /// on the whole task.
     fn openings(&self, trials: &Trials) -> Option<String> {
         let order = self.order;
         let with = |change: &dyn Fn(&mut FingersFacts)| changed(order, change);
         let is_there = |changed: &FingersOrder| trials.try_with(changed) == Known::There;
         let mut changes = Vec::new();
-        // A part that sticks to the tips may not come off where it is let go.
+        // A part that sticks to the tips may not come off at a release.
         let is_released = order.steps.iter().any(|step| matches!(step.action, FingersAction::Release));
         if order.facts.adhesion == Adhesion::Absent && order.facts.pull_off_un > 0.0 && !is_released {
             let sticking = with(&|facts| facts.adhesion = Adhesion::Sticking);
@@ -342,7 +345,7 @@ impl HandReasons<'_> {
             true => "there is a plan",
             false => "without its `require` the task has a plan",
         };
-        // A grasp that is held from the beginning is that of a task before, which is not planned again.
+        // A grasp held from the beginning is the end of an earlier task, which is not planned again.
         let from = match trials.begins.held {
             Some(_) => {
                 ", from the grasp with which this task begins: the tasks before it may then end with another one"
@@ -360,7 +363,7 @@ impl HandReasons<'_> {
         }
     }
 
-    /// Report of sections without tables.
+    /// Report of a section without tables.
     fn no_tables(&self, none: &NoTables) -> Diagnostic {
         let NoTables::TooManyGrasps { contacts, layers } = *none else { return self.looks_spent(0) };
         let title = format!("{contacts} contacts at {layers} angles make more than {MAX_GRASPS} grasps of three");
@@ -369,7 +372,7 @@ impl HandReasons<'_> {
             .help("take a larger `step` or larger tips, or leave the load and the `material` out")
     }
 
-    /// Report of a grasp that no finger may leave.
+    /// Report of a grasp that the fingers cannot leave.
     fn stuck_fingers(&self) -> Diagnostic {
         let others = match self.order.load_un == [0.0; 3] {
             true => "none was found at the end of a plan that they can leave one after the other",
@@ -432,7 +435,7 @@ fn axis(plane: Plane) -> &'static str {
 }
 
 impl Trials<'_> {
-    /// Whether an order with changed figures has a plan: first the stretch that has none now, then the whole task, but for its
+    /// Tries an order with changed figures: first the stretch that has no plan now, then the whole task without its
     /// limits.
     fn try_with(&self, order: &FingersOrder) -> Known {
         let Begins { held, orientation, steps } = self.begins;
@@ -461,8 +464,8 @@ fn changed(order: &FingersOrder, change: &dyn Fn(&mut FingersFacts)) -> FingersO
     FingersOrder { facts: Arc::new(facts), planner: FingersPlanner::JointAstar, ..order.clone() }
 }
 
-/// The figure nearest to the first one, in whole grains, that makes the step possible, if the last one does. Bisection is valid: if
-/// a figure does, so do all that are farther.
+/// The value nearest to `from`, in whole grains, that makes the step possible; `None` if `to` does not. Bisection is
+/// valid, since if a value makes it possible, so do all farther ones.
 fn nearest([from, to]: [f64; 2], opens: &dyn Fn(f64) -> bool) -> Option<f64> {
     let grains = ((to - from).abs() / GRAIN).floor() as i64;
     let value = |grain: i64| ((from + (to - from).signum() * grain as f64 * GRAIN) / GRAIN).round() * GRAIN;
@@ -477,8 +480,9 @@ fn nearest([from, to]: [f64; 2], opens: &dyn Fn(f64) -> bool) -> Option<f64> {
     Some(value(open))
 }
 
-/// The order with half its step, and that step: twice the contacts, each turn of twice the steps. `None` where a grasp is given by
-/// its contacts, where an orientation would have other alternatives, or where half the step samples other contacts.
+/// The order with half its step, and that step as text: twice the contacts, and twice the steps in each turn. `None` if
+/// the step cannot be written exactly or is too small, if a grasp is given by its contacts, if an orientation would
+/// have other alternatives, or if half the step samples other contacts.
 fn halved(order: &FingersOrder) -> Option<(FingersOrder, String)> {
     let mut halved = changed(order, &|facts| facts.steps_per_turn *= 2);
     let step = digits(360.0 / f64::from(halved.facts.steps_per_turn));

@@ -1,4 +1,5 @@
-//! Lower bounds on the cost of routes, leg by leg: each leg from the best grasp it can begin with to the best it may end with.
+//! Lower bounds on the cost of routes: the sum of the costs of their legs alone, each from the best grasp that it can
+//! begin with to the best one that it may end with.
 //!
 //! Fingers are interchangeable, so a leg that begins at a junction costs the same whichever two of them hold there. Legs that
 //! several routes share are searched once. The sum over the legs of a route is an admissible bound.
@@ -10,7 +11,7 @@ use crate::plan::search::Meter;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// With at most this many routes, legs are not searched separately.
+/// Most routes for which no bounds are computed, since searching them directly is cheaper.
 const FEW: usize = 4;
 
 /// A leg that was searched alone.
@@ -75,7 +76,7 @@ fn begins(request: &GraspRequest, route: &[TurnLeg], at: usize) -> Start {
     }
 }
 
-/// Cost of a leg alone; `None` where the budget runs out.
+/// Cost of a leg alone: `Some(None)` if it has no path, `None` if a budget runs out.
 fn apart(
     request: &GraspRequest,
     leg: &TurnLeg,

@@ -126,25 +126,25 @@ impl Sheet {
         below(self.strands.hold_pair.window(self.strands.pair(head, phases), head.bit), self.angles)
     }
 
-    /// The contact of a phase.
+    /// The contact that has a phase at an angle.
     #[inline]
     pub fn contact(&self, angle: usize, phase: u16) -> usize {
         wrapped(usize::from(phase) + self.contacts - angle % self.contacts, self.contacts)
     }
 
-    /// The phase of a contact.
+    /// The phase of a contact at an angle.
     #[inline]
     pub fn phase(&self, angle: usize, contact: usize) -> u16 {
         wrapped(contact + angle % self.contacts, self.contacts) as u16
     }
 
-    /// Whether contacts that hold without a load also hold with it.
+    /// Whether contacts that hold without the load also hold with it.
     #[inline]
     fn bears(&self, angle: usize, contacts: &[usize]) -> bool {
         self.lazy.as_ref().is_none_or(|lazy| lazy.holds(self.lowest + angle as i32, contacts))
     }
 
-    /// Whether contacts that would roll from an angle without a load also do so with it.
+    /// Whether contacts that roll on from an angle without the load also do so with it.
     #[inline]
     pub fn bears_on(&self, angle: usize, contacts: &[usize]) -> bool {
         self.lazy.as_ref().is_none_or(|lazy| lazy.rolls(self.lowest + angle as i32, contacts))
@@ -175,8 +175,8 @@ impl PreparedRoute {
         self.sets.index(self.sheets[leg].contacts, chain)
     }
 
-    /// Index of the pair that remains without one place of a triple: its value for phase 0 of the triple's varying member, and the
-    /// increment per phase.
+    /// Index of the pair that remains without the member of a triple at `place`, as a linear function of the phase of
+    /// the triple's varying member: its value for phase 0, and the increment per phase.
     pub fn pair_steps(&self, leg: usize, triple: impl Fn(u16) -> GraspChain, place: usize) -> (usize, usize) {
         let index = |third: u16| {
             let chain = triple(third);

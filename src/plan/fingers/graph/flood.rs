@@ -27,13 +27,14 @@ struct FloodPiece<const N: usize> {
     mask: AngleMask<N>,
 }
 
-/// In `ReachedPairs::first`: look the layers up in `ReachedPairs::pieces`.
+/// Value of `ReachedPairs::first` for a chain with several layers, which are in `ReachedPairs::pieces`.
 const SEVERAL: u8 = u8::MAX;
 
-/// Looks at grasps that one triple costs: its angles are spread, and the bits of three pairs read. Measured for masks of one word.
+/// Looks charged for one triple: its angles are spread, and the bits of three pairs are read. Measured for masks of one
+/// word.
 pub const TRIPLE_LOOKS: u64 = 8;
 
-/// Layers saturate here, which keeps every bound admissible.
+/// Highest layer; later ones count as this one, which keeps every bound admissible.
 const LAST: u32 = SEVERAL as u32 - 1;
 
 /// The reached pairs of a leg.
@@ -49,7 +50,8 @@ struct ReachedPairs<const N: usize> {
     pieces: FxHashMap<usize, Vec<(AngleMask<N>, u8)>>,
     /// All angles at which anything is reached.
     angles: AngleMask<N>,
-    /// Whether triples continue into the neighbouring leg (backwards, if the flood runs against the edges).
+    /// Whether triples continue into the neighbouring leg: the next one, or the previous one if the flood runs against
+    /// the edges.
     hands_on: bool,
 }
 
@@ -70,7 +72,7 @@ pub struct GraspFlood<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> GraspFlood<'a, N> {
-    /// A flood with its sources, and the pairs next to them.
+    /// A flood from sources, which also reaches the pairs next to them.
     pub fn from(course: &'a PreparedRoute, direction: Direction, sources: &[NodeSpot]) -> Self {
         let mut flood = GraspFlood::dry(course, direction);
         let (pairs, triples): (Vec<&NodeSpot>, Vec<&NodeSpot>) =
@@ -88,7 +90,8 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         flood
     }
 
-    /// A flood from all nodes of a leg at an angle, one after the other: there may be tens of millions.
+    /// A flood from all nodes of a leg at an angle. They are enumerated and never listed, since there may be tens of
+    /// millions.
     pub fn from_all(course: &'a PreparedRoute, direction: Direction, leg: usize, angle: usize) -> Self {
         let mut flood = GraspFlood::dry(course, direction);
         let sheet = &course.sheets[leg];
@@ -138,7 +141,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         self.is_seeded && self.fronts.iter().all(Vec::is_empty)
     }
 
-    /// Whether the looks ran out, so that it cannot continue.
+    /// Whether the flood cannot continue because the looks ran out.
     pub fn stopped(&self) -> bool {
         self.course.looks.are_spent()
     }
@@ -260,7 +263,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         }
     }
 
-    /// Whether the angles that triples reach are needed: only for the reach of the start, until all angles are reached.
+    /// Whether the angles that triples reach are needed: only in a flood from the start, until all angles are reached.
     fn wants_angles(&self, leg: usize) -> bool {
         let all = below([u64::MAX; N], self.course.sheets[leg].angles);
         self.direction == Direction::Onward && self.fields[leg].angles != all
@@ -275,7 +278,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         })
     }
 
-    /// Whether any triple leads to a pair with open angles, over all phases at a place.
+    /// Whether any of the triples that differ in the phase at `place` leads to a pair with open angles.
     fn has_open(&self, leg: usize, triple: GraspChain, place: usize) -> bool {
         let (course, field) = (self.course, &self.fields[leg]);
         let ([p, q], _) = removed(triple.phases, place);
@@ -290,8 +293,8 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
             })
     }
 
-    /// From a part of a triple's chain to all pairs with one finger less, and into the neighbouring leg where it touches the
-    /// border.
+    /// Reaches all pairs with one finger less from a part of a triple's chain, and continues into the neighbouring leg
+    /// if the part touches the border.
     fn part(&mut self, mut leg: usize, mut chain: GraspChain, mut mask: AngleMask<N>, layer: u32) {
         let course = self.course;
         loop {
@@ -317,7 +320,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         }
     }
 
-    /// Adds the new angles of a pair's chain, and all to which they roll, to a layer.
+    /// Adds the new angles of a pair's chain, and all angles to which they roll, to a layer.
     fn meet(&mut self, mut leg: usize, mut chain: GraspChain, mut nodes: AngleMask<N>, layer: u32) {
         let course = self.course;
         loop {

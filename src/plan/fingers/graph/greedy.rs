@@ -1,7 +1,8 @@
-//! The paper's method: one leg after the other, each alone, ending at the cheapest grasp with which the next leg can begin.
+//! The paper's method: the legs are planned one after the other, each alone and to the cheapest grasp with which the
+//! next leg can begin.
 //!
-//! Each leg's path is optimal alone. The whole may not be, and a route that has a path may be missed: the next leg may have no path
-//! from a cheap end.
+//! The path of each leg is optimal alone. The whole may not be, and a route that has a path may be missed, since the
+//! next leg may have no path from that end.
 
 use super::route::{bound, cheapest_of_few};
 use super::{Estimator, FarthestRoute, Grasp, GraspAnswer, GraspPath, GraspRequest, Regrasp, Start, TurnLeg, Within};
@@ -67,8 +68,8 @@ fn by_legs(request: &GraspRequest, route: usize, estimator: Estimator, meter: &m
     GraspAnswer::Found(way)
 }
 
-/// A leg alone. If it must end at a junction, the next leg follows without its turn: the search then takes the cheapest of all
-/// permutations of fingers.
+/// A leg alone. If it must end at a junction, the next leg follows without its turn, so that the search takes the
+/// cheapest of all permutations of fingers.
 pub fn alone(leg: &TurnLeg, next: Option<&TurnLeg>) -> Vec<TurnLeg> {
     let crossed = next.filter(|next| next.entry != Regrasp::Same);
     let standing = crossed.map(|next| TurnLeg { steps: 0, end: None, ..next.clone() });

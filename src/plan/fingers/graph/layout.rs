@@ -152,7 +152,7 @@ pub const MAX_ANGLES: usize = 64 * MAX_WORDS;
 pub const MAX_LEGS: usize = 1 << 16;
 
 impl NodeSpot {
-    /// As one number, smaller for earlier legs.
+    /// Packs the node into one number; numbers of earlier legs are smaller.
     #[inline]
     pub fn pack(self) -> u64 {
         let [a, b, c] = self.chain.phases.map(u64::from);

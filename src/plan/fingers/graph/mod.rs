@@ -1,17 +1,19 @@
-//! The grasp graph: which fingers hold which contacts at which angle, and the cheapest path through it.
+//! The grasp graph (fingers on contacts at an angle), and the search for the cheapest path through it.
 //!
-//! **Problem.** A node is a grasp (two or three of up to six fingers, each on a contact) at an angle of a leg; an edge rolls by one
-//! step, places a finger or removes one. A route is a sequence of legs; a request holds alternative routes and asks for the
-//! cheapest path over all of them. **Method.** A* (Hart, Nilsson and Raphael 1968) with partial expansion (Goldenberg et al. 2014)
-//! over implicit nodes; the heuristic is the paper's table of reconfigurations, as corrected ([`Estimator::Published`]), or the
-//! exact number of remaining reconfigurations, by a flood from the goals over chains of grasps that roll into one another
-//! ([`Estimator::Layers`]). **Guaranteed**, within the angles that the legs may visit: a returned path is cheapest, of equally cheap
-//! routes the first; the answer that there is none is a proof; of equally cheap paths one with the fewest reconfigurations is found;
-//! the same request has the same answer everywhere. **Not:** which of those is found (the one with the smaller estimate is expanded
-//! first, then the one found last).
-//! **Cost:** a flood takes some nanoseconds for each of the C(F,2)·c² chains of pairs and each third contact, whatever the number
-//! of angles up to 64; the search, some tens for each contact of a pair that it expands. Where the path with the fewest
-//! reconfigurations must roll much farther than the turn requires, the estimate is far below the cost, and many nodes are expanded.
+//! **Problem.** A node is a grasp (two or three of up to six fingers, each on a contact) at an angle of a leg; an edge
+//! rolls by one step, places a finger or removes one. A route is a sequence of legs; a request holds alternative routes
+//! and asks for the cheapest path over all of them. **Method.** A* (Hart, Nilsson and Raphael 1968) with partial
+//! expansion (Goldenberg et al. 2014) over implicit nodes. The heuristic is the paper's table of reconfigurations, as
+//! corrected ([`Estimator::Published`]), or the exact number of remaining reconfigurations, by a flood from the goals
+//! over chains of grasps that roll into one another ([`Estimator::Layers`]). **Guaranteed**, within the angles that the
+//! legs may visit: a returned path is cheapest, and has the fewest reconfigurations among equally cheap ones; of
+//! equally cheap routes the first is taken; the answer that there is no path is a proof; the same request has the same
+//! answer everywhere. **Not guaranteed:** which of several such paths is found (the node with the smaller estimate is
+//! expanded first, then the one found last).
+//! **Cost:** a flood takes some nanoseconds for each third contact of each of the C(F,2)·c² chains of pairs, whatever
+//! the number of angles up to 64; the search takes some tens of nanoseconds for each contact of a pair that it expands.
+//! If the path with the fewest reconfigurations must roll much farther than the turn requires, the estimate is far
+//! below the cost, and many nodes are expanded.
 
 mod apart;
 mod course;
@@ -92,7 +94,8 @@ pub struct TurnLeg {
     pub entry: Regrasp,
     /// The grasp required at its end; `None`: any.
     pub end: Option<Grasp>,
-    /// Under a load: which of the grasps, steps and removals in the tables really hold. The tables are then those without the load.
+    /// Evaluator under a load: it decides which of the grasps, steps and removals in the tables hold. The tables are
+    /// then those without the load.
     pub lazy: Option<Rc<Lazy>>,
 }
 
@@ -179,12 +182,12 @@ pub struct FarthestRoute {
     pub route: usize,
     /// Index of its first leg whose end is unreachable.
     pub leg: usize,
-    /// The reached angle nearest to its end: the end itself if only grasps are reached there with which it may not end. `None` if
-    /// it cannot begin, because the start does not hold.
+    /// The reached angle nearest to its end; the end itself if it is reached only with grasps that may not end the leg.
+    /// `None` if it cannot begin, because the start does not hold.
     pub farthest: Option<i32>,
     /// Number of allowed end grasps that hold at all.
     pub ends: u64,
-    /// Whether everything reachable was explored; if not, it may reach farther.
+    /// Whether everything reachable was explored; if not, the route may reach farther.
     pub is_known: bool,
 }
 
@@ -215,7 +218,8 @@ pub fn solve(request: &GraspRequest, estimator: Estimator, budget: SearchBudget)
     named::by_few(request, |request| route::cheapest(request, estimator, apart::bounds, &mut Meter::new(budget)))
 }
 
-/// The first route that is feasible leg by leg: at each junction, a cheapest of the F(F - 1) assignments of two fingers is taken.
+/// The first route that is feasible leg by leg: at each junction, the cheapest of the F(F - 1) assignments of two
+/// fingers is taken.
 ///
 /// The bound of the path holds for the joint problem. [`GraspAnswer::Impossible`] is no proof here: it reports where the route that
 /// came farthest got stuck. Limits on reconfigurations are ignored.

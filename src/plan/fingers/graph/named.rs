@@ -1,8 +1,8 @@
-//! Finger symmetry: fingers are interchangeable except those that a task names, so a request with fewer of them has paths of the
-//! same cost.
+//! Finger symmetry: fingers are interchangeable except those that a task names, so a request with fewer unnamed fingers
+//! has paths of the same cost.
 //!
-//! At most three fingers hold at the same time, and a finger is placed only where two hold. So of the fingers that neither the
-//! start nor a requested grasp names, three represent all: whichever is placed, one of the three is free.
+//! At most three fingers hold at the same time, and a finger is placed only while two hold. So three fingers represent
+//! all that neither the start nor a required grasp names: whenever one is placed, one of the three is free.
 
 use super::{Grasp, GraspAnswer, GraspPath, GraspRequest, Start};
 use crate::device::fingers::{MAX_FINGERS, MAX_HOLDING};
@@ -45,7 +45,7 @@ fn kept(request: &GraspRequest) -> Vec<usize> {
     if kept.iter().any(|finger| *finger >= request.fingers) { (0..request.fingers).collect() } else { kept }
 }
 
-/// A grasp with its fingers permuted.
+/// A grasp with its fingers renumbered; `from` gives the old number of each.
 fn moved(grasp: Grasp, from: impl Fn(usize) -> Option<usize>) -> Grasp {
     let mut other = Grasp([0; MAX_FINGERS as usize]);
     for (to, contact) in other.0.iter_mut().enumerate() {
