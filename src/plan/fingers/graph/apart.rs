@@ -11,7 +11,7 @@ use crate::plan::search::Meter;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Most routes for which no bounds are computed, since searching them directly is cheaper.
+/// Most routes whose legs are not searched separately.
 const FEW: usize = 4;
 
 /// A leg that was searched alone.

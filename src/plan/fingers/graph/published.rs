@@ -1,15 +1,17 @@
 //! The paper's estimate of the remaining reconfigurations (its Table 1), corrected and extended.
 //!
-//! Each finger is classified by whether it holds now and at the goal: in neither (nu), in one of them (ar), in both and it rolls
-//! from here to there (dp), in both and it does not (ip). The count is 2·ip + ar, plus 2 where two fingers hold now, the same two
-//! at the goal, and one of them is ip. It is admissible: an ip finger must leave and come back, an ar finger must come or leave;
-//! and of two fingers neither can leave before a third one comes, which must leave again. With three fingers this is the paper's
-//! table; the last case reads there "one is nu", which is the same with three fingers only. The paper compares contacts without
-//! taking them modulo their number, which makes some counts too large; here they are phases.
+//! Each finger is classified by whether it holds now and at the goal: in neither (nu), in one of them (ar), in both and
+//! it rolls from here to there (dp), in both and it does not (ip). The count is 2·ip + ar, plus 2 if the same two
+//! fingers hold now and at the goal and one of them is ip. It is admissible: an ip finger must leave and come back, an
+//! ar finger must come or leave; and if only two fingers hold, neither can leave before a third one comes, which must
+//! leave again. With three fingers this is the paper's table, where the last case reads "one is nu", which is
+//! equivalent for three fingers only. The paper does not compare contacts modulo their number, which makes some counts
+//! too large; here phases are compared.
 //!
-//! One placement or removal changes a class by one step: ip to ar to dp or nu, and so the sum by one; its effect on the case of the
-//! same two fingers is compensated by the sum (checked on all classes in the tests). So the estimate is consistent. Where a leg
-//! ends in one of several grasps, it is the minimum over them, each with the remainder from there.
+//! One placement or removal changes the class of one finger by one step (ip to ar, ar to dp or nu, or back), and so the
+//! sum by one. Its effect on the case of the same two fingers is compensated by the sum (checked on all classes in the
+//! tests). So the estimate is consistent. If a leg may end with several grasps, the estimate is the minimum over them,
+//! each with the remaining reconfigurations from there.
 
 use super::course::PreparedRoute;
 use super::layout::{NodeSpot, Sets};

@@ -1,4 +1,4 @@
-//! Alternative routes as one search: the one with the least bound is advanced, until it reaches its goal.
+//! Search over alternative routes: the route with the least lower bound is advanced, until one reaches its goal.
 
 use super::course::{PreparedRoute, courses};
 use super::flood::{Direction, GraspFlood, TRIPLE_LOOKS};
@@ -36,11 +36,11 @@ impl<const N: usize> Estimate for RemainingReconfigurations<'_, N> {
     }
 }
 
-/// A lower bound for each route in the unit of the request's costs, `None` for a route without a path; `None` as a whole where
-/// bounds do not pay, or the budget ran out.
+/// Function that returns a lower bound for each route, in the unit of the request's costs; `None` for a route without a
+/// path. It returns `None` as a whole if bounds are not worth their cost, or if the budget ran out.
 pub type RouteBounds = fn(&GraspRequest, Estimator, &mut Meter) -> Option<Vec<Option<u64>>>;
 
-/// See [`super::solve`]; `bounds` are sought first, and order the routes.
+/// See [`super::solve`]; `bounds` are computed first, and order the routes.
 pub fn cheapest(request: &GraspRequest, estimator: Estimator, bounds: RouteBounds, meter: &mut Meter) -> GraspAnswer {
     let courses = match courses(request) {
         Ok(courses) => courses,
@@ -56,13 +56,13 @@ pub fn cheapest(request: &GraspRequest, estimator: Estimator, bounds: RouteBound
     }
 }
 
-/// The cheapest path over all routes, each bounded by two fingers that roll all the way.
+/// The cheapest path over all routes. The lower bound of each route is the cost of two fingers that roll all the way.
 pub fn cheapest_of_few(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -> GraspAnswer {
     cheapest(request, estimator, |_, _, _| None, meter)
 }
 
-/// Lower bound over all routes; `None` if none has a path, or a route is too large. If the looks run out, fewer reconfigurations
-/// are counted, which keeps the bound admissible.
+/// Lower bound over all routes; `None` if none has a path, or a route is too large. If the looks run out, fewer
+/// reconfigurations are counted than are needed, which keeps the bound admissible.
 pub fn bound(request: &GraspRequest) -> Option<u64> {
     let courses = courses(request).ok()?;
     let bound = |course: &PreparedRoute| {
@@ -315,7 +315,7 @@ fn stuck<const N: usize>(route: usize, course: &PreparedRoute, start: Start) -> 
     };
     // Under a load the tables are optimistic.
     let is_known = !flood.stopped() && course.sheets.iter().all(|sheet| sheet.lazy.is_none());
-    // Some grasp holds somewhere, unless it was proven that none does.
+    // If any grasp may start, one is assumed to hold unless it was proven that none does.
     let farthest = farthest.or((start == Start::Any && !is_known).then_some(0));
     FarthestRoute { route, leg, farthest, ends, is_known }
 }

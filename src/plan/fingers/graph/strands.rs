@@ -1,7 +1,7 @@
-//! The bits of [`Tables`] rearranged along chains: a window of bits gives what a chain allows at all its angles.
+//! The bits of [`Tables`] rearranged along chains: one window of bits describes a chain at all its angles.
 //!
-//! If all angles share one layer, the grasps with the same distances between contacts form one cyclic strand, and a chain is a
-//! window of it; if each angle has its own layer, each chain is a strand.
+//! If all angles share one layer, the grasps with the same distances between contacts form one cyclic strand, and a
+//! chain is a window of it; if each angle has its own layer, each chain is a strand.
 
 use super::layout::{ahead, wrapped};
 use super::weave::columns;
@@ -33,7 +33,8 @@ impl Strand {
         self.words[from..from + self.stride].iter_mut().zip(words).for_each(|(word, bits)| *word = bits);
     }
 
-    /// Repeats the first `period` bits, behind which there are none, up to `bits`; what is repeated doubles each time.
+    /// Repeats the first `period` bits up to at least `bits`; the bits after them must be 0. The repeated part doubles
+    /// each time.
     fn repeat(&mut self, period: usize, bits: usize) {
         for strand in self.words.chunks_exact_mut(self.stride) {
             let mut filled = period;
@@ -88,7 +89,7 @@ pub struct Strands {
     pub leave: Strand,
 }
 
-/// How strands depend on angles.
+/// Dependence of strands on angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum StrandTurning {
     /// One cyclic strand for each distance between contacts.
@@ -100,15 +101,15 @@ enum StrandTurning {
 /// Start of the strands of chains with the same first phase.
 #[derive(Debug, Clone, Copy)]
 pub struct StrandHead {
-    /// Row of strands, in units of first phases.
+    /// Row of strands: one for each first phase, or a single one.
     row: usize,
     /// The bit of the lowest angle.
     pub bit: usize,
 }
 
 impl Strands {
-    /// Looks at grasps that [`Strands::of`] costs: words of three tables are woven if all angles share one layer, else each triple
-    /// is laid alone.
+    /// Looks charged for [`Strands::of`]: if all angles share one layer, words of three tables are woven; otherwise
+    /// each triple is set alone.
     pub fn looks(tables: &Tables) -> u64 {
         let contacts = tables.contacts as u64;
         match tables.layers.len() as u64 {
@@ -117,7 +118,7 @@ impl Strands {
         }
     }
 
-    /// From tables, for legs of at most `angles` angles.
+    /// The strands of tables, for legs of at most `angles` angles.
     pub fn of(tables: &Tables, angles: usize) -> Self {
         let contacts = tables.contacts;
         let turning = if tables.layers.len() == 1 { StrandTurning::Alike } else { StrandTurning::Apart };
@@ -159,7 +160,7 @@ impl Strands {
         }
     }
 
-    /// Fills the triples of one layer whose second contact is `one` after the first.
+    /// Fills the strands of the triples whose second contact is `one` after the first, from the only layer.
     fn weave(&mut self, tables: &Tables, one: usize) {
         let contacts = self.contacts;
         let width = contacts.div_ceil(64);
@@ -250,12 +251,12 @@ impl Strands {
     }
 }
 
-/// The contact that one becomes after a step.
+/// The contact that a contact becomes after one step.
 fn before(contact: usize, contacts: usize) -> usize {
     if contact == 0 { contacts - 1 } else { contact - 1 }
 }
 
-/// The bits below `end`.
+/// Keeps the bits below `end`.
 #[inline]
 pub fn below<const N: usize>(mut mask: AngleMask<N>, end: usize) -> AngleMask<N> {
     for (at, word) in mask.iter_mut().enumerate() {

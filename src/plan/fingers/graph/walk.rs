@@ -9,8 +9,8 @@
 //! With a limit on reconfigurations, a node is kept once per number of them (labels of two costs, as in BOA*, Hernández and others
 //! 2023): since nodes are expanded in order of cost, one with no fewer than an earlier one is dominated.
 //!
-//! Placements are expanded partially: those that do not raise the estimated cost are generated at once, the rest when their own
-//! cost comes up.
+//! Placements are expanded partially: those that do not raise the estimated cost are generated at once, the rest when
+//! their own estimated cost is the least.
 
 use super::course::PreparedRoute;
 use super::flood::TRIPLE_LOOKS;
@@ -25,7 +25,7 @@ pub const NEVER: u32 = u32::MAX;
 /// Looks per placement whose remaining reconfigurations are estimated.
 const LOOKS: u64 = 4;
 
-/// Bits of a cost that count reconfigurations: more than any path has.
+/// Low bits of a search key that count reconfigurations; no path has as many as they can count.
 const COUNT: u32 = 20;
 
 /// Edge costs in the combined key of the search: among paths of equal cost fewer reconfigurations rank lower, and their number can
@@ -109,7 +109,7 @@ struct Starts {
     gaits: u32,
     /// Index of the first chain not yet examined for this number.
     from: usize,
-    /// Lower bound on the larger numbers of the chains examined; [`NEVER`] where none was seen.
+    /// Least larger number among the chains examined; [`NEVER`] if none was seen.
     later: u32,
 }
 
@@ -127,7 +127,7 @@ pub struct RouteWalk<'a, E> {
     /// Open list, by estimated total cost, then by remaining cost.
     open: BTreeMap<(u64, u64), Vec<WalkEntry>>,
     starts: Option<Starts>,
-    /// Steps of all legs after each one.
+    /// For each leg, the number of steps of all legs after it.
     behind: Vec<u64>,
     goal: Option<u32>,
 }

@@ -2,8 +2,9 @@
 
 use crate::plan::fingers::tables::ContactBits;
 
-/// The bits of all triples whose second contact is `apart` after the first, as columns: one for each distance to the third, and in
-/// it bit t for the first contact -t modulo the number of contacts. `counts` selects the pairs of contacts.
+/// The bits of all triples whose second contact is `apart` after the first, as columns: one for each distance to the
+/// third, and in it bit t for the first contact -t modulo the number of contacts. Only the pairs of first and second
+/// contact that `counts` accepts are filled.
 pub fn columns(
     bits: &ContactBits,
     contacts: usize,

@@ -1,8 +1,8 @@
 //! Checks of rolling at more instants than the tables use.
 //!
-//! Input: a hand, the contacts of a section, and the load. Output: whether a grasp holds throughout a rolling step, and tables
-//! without the steps in which one lapses. Promise: a grasp that passes holds with the device's reserve at [`INSTANTS`] - 1 evenly
-//! spaced instants within the step, those of the tables among them.
+//! Input: a hand, the contacts of a section, and the load. Output: whether a grasp holds throughout a rolling step, and
+//! tables without the steps in which a grasp lapses. Guaranteed: a grasp that passes holds with the device's reserve at
+//! [`INSTANTS`] - 1 evenly spaced instants within the step, which include those of the tables.
 
 use super::{Contact, Contacts, GripModel, Load};
 use crate::device::fingers::FingersFacts;
@@ -12,13 +12,13 @@ use crate::plan::fingers::tables::{AngleLayer, Tables};
 /// Number of parts into which a rolling step is divided.
 pub const INSTANTS: u32 = 64;
 
-/// Looks at grasps that two fingers cost at one instant: two friction cones, and the half-spaces of their forces.
+/// Looks charged for two fingers at one instant: two friction cones, and the half-spaces of their forces.
 const PAIR_LOOKS: u64 = 4;
 
-/// The same for three fingers: three pairs, and a third finger that supplies the rest.
+/// Looks charged for three fingers at one instant: three pairs, and a third finger that supplies the rest.
 const TRIPLE_LOOKS: u64 = 16;
 
-/// How many times as much they cost with out-of-plane forces.
+/// Factor on these looks with out-of-plane forces.
 const IN_SPACE: u64 = 4;
 
 /// A hand on a section.
@@ -34,7 +34,7 @@ pub struct Closer<'a> {
 type ContactInstant = (Vec<Contact>, Load);
 
 impl<'a> Closer<'a> {
-    /// For a hand on the contacts of a section, under the load at angle 0.
+    /// Checker for a hand on the contacts of a section, under the load at angle 0.
     pub fn of(facts: &FingersFacts, contacts: Contacts<'a>, load: Load) -> Self {
         Closer { contacts, grip: GripModel::of(facts, contacts.reach_um()).with_reserve(), load }
     }
@@ -55,7 +55,8 @@ impl<'a> Closer<'a> {
         })
     }
 
-    /// Removes from the layer of an angle the steps in which a grasp lapses: all of them, or as many as looks are available for.
+    /// Removes from the layer of an angle the steps in which a grasp lapses: all of them, or as many as the looks
+    /// allow.
     pub fn sift(&self, tables: &mut Tables, layer: usize, angle: i32, looks: &LooksBudget) {
         let instants: Vec<ContactInstant> =
             Self::parts().map(|part| (self.contacts.after(part), self.load(angle, part))).collect();

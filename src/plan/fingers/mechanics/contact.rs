@@ -37,7 +37,7 @@ pub struct Contacts<'a> {
     number: usize,
     step_rad: f64,
     tip_radius_um: f64,
-    /// On a convex outline no tip in contact intersects the outline elsewhere.
+    /// Whether the outline is convex: then no tip in contact intersects it elsewhere.
     is_convex: bool,
 }
 

@@ -19,7 +19,7 @@ impl GripModel {
         (!leans || self.holds_under(contacts, &Load::NONE)) && self.holds_under(contacts, load)
     }
 
-    /// Whether they are in equilibrium under the load, even if they only carry the part.
+    /// Whether fingers are in equilibrium under the load, even if the part merely rests on them.
     pub(super) fn holds_under(&self, contacts: &[Contact], load: &Load) -> bool {
         let demand = self.demand(load);
         match contacts {
@@ -35,12 +35,13 @@ impl GripModel {
 
     /// Whether two fingers resist the pull of a third that leaves, in addition to the load.
     ///
-    /// Whether the two alone hold afterwards is the question of [`GripModel::holds`].
+    /// It does not tell whether the two hold alone afterwards; see [`GripModel::holds`].
     pub fn resists(&self, stay: [&Contact; 2], leaves: &Contact, load: &Load) -> bool {
         self.two_hold(stay, load, &self.removal(leaves, load))
     }
 
-    /// Torque of a load about the line through two contacts, and the most that the tips can bear; `None` where that is sufficient.
+    /// Torque of a load about the line through two contacts, and the most that the tips can bear; `None` if they can
+    /// bear it.
     pub fn torque_left_un_um(&self, [a, b]: [&Contact; 2], load: &Load) -> Option<[f64; 2]> {
         let lever = Lever::of([a, b], &load.across(), 0.0)?;
         let most_un_um = self.torsion_um * (self.max_force_un + self.sticking_un) * lever.leverage();

@@ -26,7 +26,7 @@ pub(super) struct PairsInstant<'a> {
 /// Looks per grasp of three with out-of-plane forces.
 const LOOKS_IN_SPACE: u64 = 64;
 
-/// The same for two.
+/// Looks per grasp of two with out-of-plane forces.
 const PAIR_LOOKS_IN_SPACE: u64 = 4;
 
 impl<'a> PairsInstant<'a> {

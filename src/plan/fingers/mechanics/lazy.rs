@@ -1,9 +1,10 @@
 //! Lazy evaluation of grasps under a load.
 //!
-//! Under a load in the plane of a turn, grasps differ from angle to angle, so tables of all of them take seconds, while a search
-//! needs few. Input: a hand on the contacts of a section, and the load at the start of a leg. Output: the same answers as those of
-//! [`super::tables`], each computed on demand and cached. Promise: whatever holds here also holds in the tables without the load,
-//! if fingers may leave there wherever they may be placed; so only those entries need a query.
+//! Under a load in the plane of a turn, grasps differ from angle to angle. Tables of all of them take seconds, while a
+//! search needs few. Input: a hand on the contacts of a section, and the load at the start of a leg. Output: the same
+//! answers as those of [`super::tables`], each computed on demand and cached. Guaranteed: every grasp that holds here
+//! also holds in the tables without the load, if fingers may leave there wherever they may be placed; so only the
+//! entries of those tables need a query.
 
 use super::{Contact, Contacts, GripModel, Load, PARTS_OF_STEP};
 use crate::device::fingers::FingersFacts;
@@ -43,7 +44,7 @@ enum Question {
 }
 
 impl Lazy {
-    /// For a hand on the contacts of a section, under the load at angle 0.
+    /// Cache for a hand on the contacts of a section, under the load at angle 0.
     pub fn of(facts: &FingersFacts, contacts: &Contacts, load: Load, looks: Rc<LooksBudget>) -> Lazy {
         let grip = GripModel::of(facts, contacts.reach_um());
         Lazy {
@@ -62,7 +63,7 @@ impl Lazy {
         self.answer(Question::Holds, angle, &sorted(held), || self.balances(angle, 0, held))
     }
 
-    /// Whether they keep holding from an angle to the next.
+    /// Whether two or three contacts keep holding from an angle to the next.
     pub fn rolls(&self, angle: i32, held: &[usize]) -> bool {
         let next = || held.iter().map(|contact| (contact + self.contacts[0].len() - 1) % self.contacts[0].len());
         self.answer(Question::Rolls, angle, &sorted(held), || {

@@ -69,7 +69,8 @@ impl Load {
         (x_un * x_un + y_un * y_un + self.across_un * self.across_un).sqrt()
     }
 
-    /// The same force after the part has turned in the section's plane: in the part's frame it turns the other way.
+    /// The same force after the part has turned in the section's plane; in the part's frame the force turns in the
+    /// opposite direction.
     pub fn after_turn(&self, angle_rad: f64) -> Load {
         let (sin, cos) = angle_rad.sine_cosine();
         let [x, y] = self.force_un;
@@ -102,7 +103,7 @@ impl Wrench {
         Wrench { force_un, moment_un_um: at_um[0] * force_un[1] - at_um[1] * force_un[0] }
     }
 
-    /// The wrench that balances both.
+    /// The wrench that balances this one and another.
     pub fn against(self, other: Wrench) -> Wrench {
         Wrench {
             force_un: [-self.force_un[0] - other.force_un[0], -self.force_un[1] - other.force_un[1]],

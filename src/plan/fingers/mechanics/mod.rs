@@ -4,11 +4,12 @@
 //! Promise: the answers are exact up to [`TOLERANCE`]; an exact balance counts as holding. Bodies are rigid, friction is Coulomb's,
 //! and the object stays in place while fingers roll, come and leave.
 //!
-//! The model in the plane: each finger's force lies in a triangle of the plane, a friction cone whose apex adhesion moves outwards,
-//! cut off at the greatest normal force (equation 1 of the paper). A grasp holds if forces of these triangles add up to the
-//! required wrench. Two fingers leave one unknown, the force along the chord between them; eliminating it (Fourier and Motzkin)
-//! gives at most nine half-spaces of wrenches that they can bear. A third finger is tested by cutting its triangle with these.
-//! Out-of-plane loads are borne by friction and by torsion of the contacts: see `space`.
+//! The model in the plane: each finger's force lies in a triangle, a friction cone whose apex is shifted outwards by
+//! adhesion and which is cut off at the greatest normal force (equation 1 of the paper). A grasp holds if forces in
+//! these triangles add up to the required wrench. Two fingers leave one unknown, the force along the chord between
+//! them; eliminating it (Fourier and Motzkin) gives at most nine half-spaces of wrenches that they can bear. A third
+//! finger is tested by clipping its triangle with these. Out-of-plane loads are borne by friction and by torsion of the
+//! contacts: see `space`.
 
 mod closer;
 mod contact;

@@ -47,7 +47,7 @@ impl GripModel {
         }
     }
 
-    /// Condition under a load.
+    /// Condition for a grasp to hold under a load.
     pub(super) fn demand(&self, load: &Load) -> GripDemand {
         if load.is_none() && self.sticking_un == 0.0 {
             return GripDemand::Squeeze;
@@ -83,7 +83,8 @@ impl GripModel {
         }
     }
 
-    /// The same up to the greatest force, with part of the pressing and adhesive force reserved for other loads.
+    /// The forces available to a finger in the plane up to the greatest force, with part of the pressing and adhesive
+    /// force reserved for other loads.
     pub(super) fn pressing(&self, contact: &Contact, withheld_un: f64) -> ForceCone {
         ForceCone::of(contact, self.friction, self.sticking_un - withheld_un, self.max_force_un)
     }

@@ -34,7 +34,7 @@ pub(super) struct ForceCone {
     corners_un: [[f64; 2]; 3],
     /// Number of sides and corners: 2 for an unbounded cone.
     count: usize,
-    /// Whether too large a share of the load leaves no force at all.
+    /// Whether no force is available, because more is withheld for other loads than the finger can exert.
     nothing: bool,
 }
 
@@ -106,7 +106,8 @@ impl Half {
     }
 }
 
-/// The wrenches that two fingers bear: the one free unknown, the force along the line through both contacts, is eliminated.
+/// The wrenches that two fingers bear. The one free unknown, the force along the line through both contacts, is
+/// eliminated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LineForce {
     halves: [Half; 9],
@@ -151,7 +152,7 @@ impl LineForce {
         !self.nothing && self.halves().iter().all(|half| half.of(wrench) <= half.bound_un + self.slack_un)
     }
 
-    /// Whether the two and a third together meet a condition; without load and adhesion the third must press.
+    /// Whether the two and a third finger together meet a condition; without load and adhesion the third must press.
     pub fn takes(&self, third: &ForceCone, demand: &GripDemand) -> bool {
         let wrench = match demand {
             GripDemand::Squeeze => Wrench::NONE,

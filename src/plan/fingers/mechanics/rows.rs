@@ -49,7 +49,7 @@ impl PairRows {
         self.words[i * self.width + j / 64] |= 1 << (j % 64);
     }
 
-    /// The pairs (i, j) for which it contains the pair one lower, cyclically.
+    /// The pairs (i, j) for which it contains (i - 1, j - 1), cyclically.
     pub fn stepped(&self) -> PairRows {
         let mut stepped = PairRows::new(self.size);
         for i in 0..self.size {

@@ -4,13 +4,13 @@
 //! equalities are solved for some of the variables (Gauss and Jordan); for the remaining inequalities the greatest margin is the
 //! least value of the dual program, which the two-phase simplex method finds with Bland's rule, which guarantees termination.
 
-/// Forces and torques of three fingers.
+/// Number of variables: forces and torques of three fingers.
 pub const VARIABLES: usize = 12;
 
-/// Sums of forces and moments.
+/// Number of equalities: sums of forces and moments.
 const EQUALITIES: usize = 6;
 
-/// Conditions on three fingers.
+/// Most inequalities: conditions on three fingers.
 const INEQUALITIES: usize = 21;
 
 /// Magnitude below which a number counts as zero, up to rounding.
@@ -61,8 +61,8 @@ pub fn are_kept(mut conditions: Conditions, slack: f64) -> bool {
     }
 }
 
-/// Solves the equalities for as many variables as they determine, and substitutes these into the inequalities; returns which
-/// variables they are. `None` where the equalities contradict one another.
+/// Solves the equalities for as many variables as they determine, and substitutes these into the inequalities. Returns
+/// which variables were solved; `None` if the equalities contradict one another.
 fn solve(conditions: &mut Conditions, slack: f64) -> Option<[bool; VARIABLES]> {
     let mut solved = [false; VARIABLES];
     for at in 0..EQUALITIES {
@@ -97,13 +97,13 @@ const COLUMNS: usize = INEQUALITIES + 1;
 /// Most rows of the dual program: one for each free variable, and the sum of the weights, which must be 1.
 const ROWS: usize = VARIABLES + 1;
 
-/// More pivots than any program of this size takes.
+/// Limit on pivots: more than any program of this size takes.
 const MAX_PIVOTS: usize = 1000;
 
-/// A weight in the basis that stands for none: the artificial variable of its row, which never returns once it has left.
+/// Basis entry for the artificial variable of a row, which never returns once it has left the basis.
 const ARTIFICIAL: usize = INEQUALITIES;
 
-/// Rows over non-negative weights, and which weight each is solved for.
+/// Rows over non-negative weights, and the weight that each row is solved for.
 struct DualTableau {
     count: usize,
     rows: [[f64; COLUMNS]; ROWS],
@@ -140,7 +140,8 @@ impl DualTableau {
         Some(self.descend(&all, enough))
     }
 
-    /// Descends from vertex to vertex by costs, of which the last is that of artificial variables; returns the cost at the last one.
+    /// Descends from vertex to vertex, and returns the cost at the last one; it stops early at a cost below `enough`.
+    /// The last of the costs is that of artificial variables.
     fn descend(&mut self, costs: &[f64; COLUMNS], enough: f64) -> f64 {
         // Bland's rule terminates in exact arithmetic; the limit guards against rounding.
         for _ in 0..MAX_PIVOTS {
@@ -184,7 +185,7 @@ impl DualTableau {
     }
 }
 
-/// Takes a weight out of a row, by the row that is solved for it.
+/// Eliminates a weight from a row, by the row that is solved for it.
 fn eliminate(row: &mut [f64; COLUMNS], by: &[f64; COLUMNS], column: usize) {
     let factor = row[column];
     if factor != 0.0 {

@@ -80,7 +80,7 @@ impl Lever {
         })
     }
 
-    /// Whether the two also exert a wrench of the plane.
+    /// Whether the two can exert a wrench in the plane in addition to the out-of-plane load.
     fn bears(&self, grip: &GripModel, wrench: &Wrench, slack_un: f64) -> bool {
         if self.left_over_un_um > slack_un * grip.arm_um {
             return false;
@@ -143,7 +143,7 @@ impl WrenchRows {
         self.count += 1;
     }
 
-    /// Whether two numbers satisfy all rows.
+    /// Whether some s and t satisfy all rows.
     fn meet(&self) -> bool {
         let rows = &self.all[..self.count];
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -198,7 +198,7 @@ impl SpatialBearing {
         Some(SpatialBearing { lever, most, least, slack_un })
     }
 
-    /// Whether the two also exert a wrench of the plane.
+    /// Whether the two can exert a wrench in the plane in addition to the out-of-plane load.
     pub fn bears(&self, grip: &GripModel, wrench: &Wrench) -> bool {
         let is_balanced = self.lever.left_over_un_um <= self.slack_un * grip.arm_um;
         is_balanced
@@ -207,7 +207,7 @@ impl SpatialBearing {
     }
 }
 
-/// Whether three fingers exert a wrench of the plane together with the out-of-plane load.
+/// Whether three fingers can exert a wrench in the plane in addition to the out-of-plane load.
 pub(super) fn three_bear(
     grip: &GripModel,
     touch: [&Contact; 3],

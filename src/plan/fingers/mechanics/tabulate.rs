@@ -13,16 +13,19 @@ use crate::device::fingers::{FingersFacts, MAX_GRASPS};
 use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
 
-/// Parts into which a rolling step is divided for holding: at their borders a grasp must hold with the device's reserve. A grasp
-/// that holds there but lapses in between is found by [`super::Closer`] before a path is accepted.
+/// Parts into which a rolling step is divided for the check of holding: at their borders a grasp must hold with the
+/// device's reserve. A grasp that holds there but lapses in between is found by [`super::Closer`] before a path is
+/// accepted.
 ///
-/// A grasp that holds at both ends of a part may lapse within it only where its equilibrium passes from one set of bounds to
-/// another: of 214,000 grasps of three that roll without adhesion, at friction 0.2 and 0.5, on ellipses up to 20 to 6, a
-/// superellipse, a rectangle with sharp corners and a waisted part, 20 did, all by less than a twentieth of the friction.
+/// A grasp that holds at both ends of a part may lapse within it only where its equilibrium passes from one set of
+/// bounds to another. Of 214,000 grasps of three that roll without adhesion, at friction 0.2 and 0.5, on ellipses up to
+/// 20 to 6, a superellipse, a rectangle with sharp corners and a waisted part, 20 did, all by less than a twentieth of
+/// the friction.
 pub const PARTS_OF_STEP: usize = 4;
 
-/// Parts into which a rolling step is divided for room between tips: more, since the check is cheap. Between two checks a distance
-/// falls short by at most the step's square times the reach over 2,000: some thousandths of a micrometre.
+/// Parts into which a rolling step is divided for the check of room between tips: more, since the check is cheap.
+/// Between two checks a distance falls short by at most the step's square times the reach over 2,000: some thousandths
+/// of a micrometre.
 pub const PARTS_OF_ROLLING: usize = 16;
 
 /// Input of the tabulation.
@@ -38,7 +41,7 @@ pub struct TableRequest<'a> {
     pub angles: usize,
 }
 
-/// Why there are no tables.
+/// Reason why there are no tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoTables {
     /// They would be too large.
@@ -49,8 +52,8 @@ pub enum NoTables {
 
 /// Tabulates the grasp graph of a leg.
 ///
-/// `reaches(i, j, k)` tells whether a free finger can come to contact k, and leave it, while two others hold i and j; contacts
-/// count from 0, and only i < j is queried.
+/// `reaches(i, j, k)` states whether a free finger can come to contact k, and leave it, while two others hold i and j;
+/// contacts count from 0, and only i < j is queried.
 ///
 /// # Errors
 /// [`NoTables::TooManyGrasps`] where contacts and layers need more than [`MAX_GRASPS`]: four sets of them, one bit each, take 256

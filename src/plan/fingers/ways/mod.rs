@@ -1,13 +1,13 @@
 //! Motions of a hand's fingers: from the acts of a plan to the position of every tip over time.
 //!
-//! Input: a [`FingersCourse`], acts such as "turn by a step" or "finger 2 comes to contact 12". Output: a [`FingersMotion`],
-//! straight stretches that all tips traverse simultaneously.
+//! Input: a [`FingersCourse`], acts such as "turn by a step" or "finger 2 comes to contact 12". Output: a
+//! [`FingersMotion`], straight moves that all tips make simultaneously.
 //!
-//! Method: while the part turns, the holding tips follow the rolling constraint, which has a closed form ([`rolling`]), by chords
-//! of equal angles. A free tip waits on its own sphere ([`FingersFacts::sphere_um`]) about the part's origin, beyond everything
-//! that holds or is held and beyond the spheres of the fingers before it; it travels on a great circle of it, and approaches and
-//! leaves along paths that [`ContactReach`] has tested. Where the tip of another free finger is in the way, that one first steps
-//! aside on its own sphere.
+//! Method: while the part turns, the holding tips follow the rolling constraint, which has a closed form ([`rolling`]),
+//! by chords of equal angles. A free tip waits on its own sphere ([`FingersFacts::sphere_um`]) about the part's origin,
+//! outside everything that holds or is held and outside the spheres of the fingers before it. It travels along great
+//! circles of this sphere, and approaches and leaves contacts along paths that [`ContactReach`] has tested. If the tip
+//! of another free finger is in the way, that finger first steps aside on its own sphere.
 //!
 //! Promise: holding tips stay within half the tolerance of exact rolling without slip at every instant, and are exact where a state
 //! is recorded, also across a change of plane: a tip keeps rolling from where it is. Free tips keep the clearance, less the
@@ -28,7 +28,7 @@ use crate::geometry::outline::Curve;
 use crate::real::Real;
 use std::f64::consts::TAU;
 
-/// Most stretches of a motion.
+/// Most moves of a motion.
 pub const MAX_MOVES: usize = 1_000_000;
 
 /// A hand, and the sections of its part.
@@ -50,20 +50,20 @@ pub struct PreparedSection<'a> {
     pub reach: &'a ContactReach,
 }
 
-/// The acts of the fingers, as planned.
+/// The planned acts of the fingers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingersCourse {
     /// Initial stance.
     pub start: Stance,
-    /// One for each step of the order.
+    /// The acts of each step of the order.
     pub steps: Vec<Vec<FingerAct>>,
 }
 
 /// One act of the fingers.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FingerAct {
-    /// All fingers are free, and those that hold a contact of this grasp come to it, one after the other. A state is recorded at
-    /// the end; its angle index is 1.
+    /// All fingers are free, and those with a contact in this grasp come to it, one after the other. A state is
+    /// recorded at the end; its angle index is 1.
     Begin { plane: Plane, grasp: Vec<u32> },
     /// A turn in a plane begins: the angle index restarts at 1, and nothing moves. On a change of plane the fingers hold contact 1
     /// and the opposite one, if they hold.
@@ -82,7 +82,7 @@ pub enum FingerAct {
     Wait(u64),
 }
 
-/// Why a course cannot be executed.
+/// Reason why a course cannot be executed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WayError {
     /// A stage would exceed its range: the greatest excess in the whole course. Step, finger and axis count from 0.

@@ -100,7 +100,7 @@ impl<'a> MotionWalk<'a> {
         walk
     }
 
-    /// A holding finger continues from the position of its tip.
+    /// Makes a holding finger continue from the position of its tip.
     fn take_seat(&mut self, finger: usize) {
         self.seats[finger] = Seat::default();
         let (contact, Some(side)) = (self.grasp[finger], self.hand.side(self.plane)) else { return };
@@ -185,7 +185,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// Renames a finger's contact for the new plane, where it must be at the same place.
+    /// Renumbers a finger's contact for the new plane, in which it must be at the same place.
     fn cross(&mut self, finger: usize, [old, new]: [Option<u32>; 2]) -> Result<(), WayError> {
         let contact = self.grasp[finger];
         if contact > 1 {
@@ -199,7 +199,7 @@ impl<'a> MotionWalk<'a> {
         Err(WayError::Adrift { step: self.step, finger, contact: self.grasp[finger], off_um })
     }
 
-    /// A step of the turn, by chords of equal angles.
+    /// Rolls by one step of the turn, in chords of equal angles.
     fn roll(&mut self, sense: i64) -> Result<(), WayError> {
         let side = self.side()?;
         if self.grasp.iter().filter(|contact| **contact != 0).count() < 2 {
@@ -225,7 +225,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// A free finger comes to a contact: on its sphere to the end of the approach path, then inward, slowly at the end.
+    /// Moves a free finger to a contact: on its sphere to the end of the approach path, then inward, slowly at the end.
     fn come(&mut self, finger: usize, contact: u32) -> Result<(), WayError> {
         if self.grasp.get(finger) != Some(&0) || contact == 0 {
             return Err(self.unfit());
@@ -243,7 +243,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// A finger leaves its contact and returns to its sphere.
+    /// Moves a finger from its contact back to its sphere.
     fn go(&mut self, finger: usize) -> Result<(), WayError> {
         let contact = self.grasp.get(finger).copied().filter(|contact| *contact != 0).ok_or(self.unfit())?;
         self.grasp[finger] = 0;
@@ -271,7 +271,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// Free fingers whose spheres a segment crosses step aside where it would come too near.
+    /// Moves free fingers aside, on their spheres, if a segment would come too near to their tips.
     fn clear(&mut self, finger: usize, segment: [Vector3<f64>; 2]) -> Result<(), WayError> {
         let facts = self.hand.facts;
         let apart_um = 2.0 * facts.tip_radius_um + facts.clearance_um;
@@ -289,7 +289,7 @@ impl<'a> MotionWalk<'a> {
         Ok(())
     }
 
-    /// A free finger travels along a great circle of its sphere, except its last chord.
+    /// Moves a free finger along a great circle of its sphere, except for the last chord.
     fn travel(&mut self, finger: usize, arc: Arc) -> Result<(), WayError> {
         let facts = self.hand.facts;
         let radius_um = self.hand.sphere_um(finger);
@@ -343,14 +343,14 @@ impl<'a> MotionWalk<'a> {
         self.hand.side(self.plane).ok_or(self.unfit())
     }
 
-    /// One finger moves in a straight line.
+    /// Moves one finger in a straight line.
     fn shift(&mut self, finger: usize, to_um: Vector3<f64>, speed_um_per_s: f64) -> Result<(), WayError> {
         let mut tips_um = self.tips_um.clone();
         tips_um[finger] = to_um;
         self.glide(tips_um, speed_um_per_s)
     }
 
-    /// All tips move in straight lines, the fastest one at the given speed.
+    /// Moves all tips in straight lines, the fastest one at the given speed.
     fn glide(&mut self, tips_um: Vec<Vector3<f64>>, speed_um_per_s: f64) -> Result<(), WayError> {
         let lengths = tips_um.iter().zip(&self.tips_um).map(|(to, from)| (to - from).norm());
         let longest_um = lengths.fold(0.0, f64::max);

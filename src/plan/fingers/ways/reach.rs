@@ -48,7 +48,7 @@ struct WayStart {
     normal_rad: f64,
 }
 
-/// Path of a tip's centre from its contact outwards, in the section's coordinates.
+/// Path of a tip's centre outwards from its contact, in the section's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RetreatPath {
     /// Centre of the tip in contact.
@@ -155,7 +155,7 @@ fn exit(curve: &Curve, facts: &FingersFacts, contact: usize, contacts: u32) -> W
     WayStart { touch_um, bend_um: touch_um + Vector2::new(cos, sin) * facts.slow_um(), normal_rad }
 }
 
-/// An outline as points so dense that the nearest one is hardly farther than the outline.
+/// An outline as points, so dense that the nearest point is hardly farther than the outline itself.
 struct Rim {
     points_um: Vec<Vector2<f64>>,
     /// A bounding circle of each block of points.
@@ -163,7 +163,8 @@ struct Rim {
 }
 
 impl Rim {
-    /// A sample at h/2 beside the nearest place is farther by about h²/8·(1/l2 + κ); h makes that an eighth of the tolerance.
+    /// Samples an outline. A sample at h/2 from the nearest place is farther by about h²/8·(1/l2 + κ); the spacing h
+    /// makes this an eighth of the tolerance.
     fn of(curve: &Curve, facts: &FingersFacts) -> Rim {
         let perimeter_um = curve.perimeter_um();
         let coarse = (0..256).map(|index| curve.spot(perimeter_um * f64::from(index) / 256.0).curvature_per_um.abs());

@@ -22,8 +22,8 @@ pub fn tip(curve: &Curve, facts: &FingersFacts, rolled_rad: f64) -> (Vector2<f64
 /// Largest deviation of a chord from the arc, as a share of the part's reach: about the angle by which it turns the part.
 const CHORD_RAD: f64 = 1e-4;
 
-/// Number of equal chords per rolling step such that no tip deviates by more than half the tolerance at any instant, nor so much
-/// that the part is turned by more than about 0.006 deg in between; `None` if that needs too many.
+/// Number of equal chords per rolling step such that no tip deviates by more than half the tolerance at any instant,
+/// nor turns the part by more than about 0.006 deg in between; `None` if that needs too many.
 ///
 /// Tips on chords are slightly inside the arcs, so the rotation that they cause, integrated without slip, drifts from the rotation
 /// over whole steps. The second limit keeps this drift below 0.01 deg per full turn.

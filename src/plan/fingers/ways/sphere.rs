@@ -1,4 +1,4 @@
-//! Great circles, on which free tips travel about the part.
+//! Great circles, along which free tips travel about the part.
 
 use super::rolling::MAX_CHORDS;
 use crate::real::Real;
@@ -11,7 +11,7 @@ const SAME_RAD: f64 = 1e-9;
 /// Longest chord, however coarse the tolerance: 30 deg.
 const MAX_CHORD_RAD: f64 = PI / 6.0;
 
-/// A great circle from a direction on; both vectors are orthogonal unit vectors.
+/// A great circle that starts in a direction; both vectors are orthogonal unit vectors.
 #[derive(Debug, Clone, Copy)]
 pub struct Arc {
     from: Vector3<f64>,
@@ -50,8 +50,8 @@ fn square_to(vector: Vector3<f64>) -> Vector3<f64> {
     pole.cross(&vector).normalize()
 }
 
-/// Arc by which a tip on a sphere steps aside from the point where a segment meets its sphere, so that it is at least `apart_um`
-/// from the segment: the nearest of the places tried. `None` if it is already clear, or nowhere clear.
+/// Arc by which a tip on a sphere steps aside from the point where a segment meets its sphere, to the nearest of the
+/// tried places that is at least `apart_um` from the segment. `None` if the tip is already clear, or no place is.
 pub fn aside(tip: Vector3<f64>, [from, to]: [Vector3<f64>; 2], apart_um: f64) -> Option<Arc> {
     const STEP_RAD: f64 = PI / 36.0;
     let radius_um = tip.norm();

@@ -16,7 +16,8 @@ use crate::random::support::Random;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// A layer from predicates on sets of contacts; the last contact of `place` and `leave` is separate.
+/// A layer from predicates on contacts: `pair` and `triple` return whether they hold and roll, `change` whether a
+/// finger may be placed on the last contact and removed from it.
 pub fn layer(
     contacts: usize,
     mut pair: impl FnMut(usize, usize) -> [bool; 2],
@@ -52,7 +53,7 @@ pub fn layer(
     AngleLayer { pair: pairs, triple: triples, roll_pair, roll_triple, place, leave }
 }
 
-/// All grasps with contacts this far apart, everything allowed.
+/// Tables in which all grasps with contacts at least `gap` apart hold, roll, and may be changed.
 pub fn circle(contacts: usize, gap: usize) -> Tables {
     let apart = |i: usize, j: usize| i.abs_diff(j).min(contacts - i.abs_diff(j)) >= gap;
     let pair = |i, j| [apart(i, j); 2];
@@ -170,7 +171,7 @@ fn best(request: &GraspRequest) -> Best {
 fn agrees(seed: u64) -> Option<u64> {
     let mut request = case(seed);
     let way = agrees_within(seed, &request);
-    // With fewer reconfigurations than the cheapest path has, as few as possible.
+    // Then the limit is set below the reconfigurations of each path found, until there is none.
     let mut most = way.map_or(0, |(_, gaits)| gaits);
     while let Some(fewer) = most.checked_sub(1) {
         request.within.gaits = Some(fewer);
@@ -200,7 +201,7 @@ fn agrees_within(seed: u64, request: &GraspRequest) -> Option<(u64, u32)> {
     best.map(|(cost, gaits, _)| (cost, gaits))
 }
 
-/// However few looks are available, claims made with them are true.
+/// However few looks are available, the answers are true.
 #[test]
 fn what_is_said_when_looks_run_out_is_so() {
     let (mut ended, mut found) = (0, 0);
@@ -242,7 +243,7 @@ fn costs_are_those_of_a_plain_search() {
     assert!((60..135).contains(&found), "{found} of 150 cases have a way");
 }
 
-/// What a flood says of nodes that it has not reached: they lie in no layer below.
+/// A node that a flood has not reached lies in no layer below the floor of the flood.
 #[test]
 fn no_node_lies_below_the_floor_of_a_flood() {
     let (mut unknown, mut exact) = (0, 0);

@@ -103,7 +103,8 @@ fn without_adhesion_grasps_grow_with_friction_as_in_table_2() {
     }
 }
 
-/// Compares every bit of the tables with single grasps: `holds` for contacts at an instant, and room between tips.
+/// Compares the tables with single grasps, at each instant by `holds` and the room between tips; of triples, only those
+/// with every third last contact.
 fn assert_told_by_single_grasps(facts: &FingersFacts, part: &CurvedSection, load: Load, angles: usize) {
     let tables = tabulated(facts, part, load, angles);
     let contacts = part.contacts(facts);
@@ -257,7 +258,8 @@ fn a_load_across_is_borne_by_levers_and_torsion() {
     );
 }
 
-/// Two tips below a part bear its weight as a table would; held it is only if they would hold it without the weight as well.
+/// Two tips below a part bear its weight like a table; the part is held only if they would hold it without the weight,
+/// too.
 #[test]
 fn a_part_that_rests_on_its_tips_is_not_held() {
     let contacts = circle();

@@ -19,7 +19,7 @@ fn acts_of_the_paper() -> Vec<Vec<FingerAct>> {
     ]
 }
 
-/// The ellipsoid by (80, 220, 100) deg.
+/// The paper's task, which turns the ellipsoid by (80, 220, 100) deg, with its motion.
 fn paper() -> (Bench, FingersMotion) {
     let bench = Bench::new(ellipse(), facts(3));
     let course = FingersCourse { start: bench.hand().home([0.0; 3]), steps: acts_of_the_paper() };
@@ -86,7 +86,7 @@ fn tips_are_at_their_contacts() {
     }
 }
 
-/// The fastest tip of each stretch moves at the speed of its act, to the nanosecond.
+/// The fastest tip of each move has the speed of its act, to the nanosecond.
 #[test]
 fn speeds_are_those_of_the_facts() {
     let (bench, motion) = paper();

@@ -21,7 +21,7 @@ pub fn ellipse() -> Outline {
     Outline::Ellipse { semi_um: [16.0, 11.845] }
 }
 
-/// A waist above and below, within reach of the tips.
+/// An outline with a waist above and below, within reach of the tips.
 pub fn peanut() -> Outline {
     let place = |index: u32| {
         let turn_rad = TAU * f64::from(index) / 48.0;
@@ -84,7 +84,7 @@ impl Dice {
     }
 }
 
-/// A quaternion as states hold it.
+/// The rotation of a state's quaternion.
 pub fn rotation(orientation: [f64; 4]) -> UnitQuaternion<f64> {
     let [w, x, y, z] = orientation;
     UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Greatest violation of the clearances by a tip on a path, from the outline and from tips on other contacts: negative where it is
-/// clear.
+/// Greatest violation of the clearances by a tip on a path, from the outline and from tips on other contacts; negative
+/// if the path is clear.
 fn intrusion_um(bench: &Bench, way: &RetreatPath, holding: &[usize]) -> f64 {
     let facts = &bench.facts;
     let far_um = facts.sphere_um(0, bench.curve.reach_um());

@@ -55,7 +55,7 @@ fn contacts_come_round() {
     }
 }
 
-/// On chords all tips stay within half the tolerance of exact rolling, and near enough that the part is not turned, and touch.
+/// On chords all tips keep touching, within half the tolerance of exact rolling and near enough not to turn the part.
 #[test]
 fn chords_stay_near_the_curve() {
     for bench in benches(3) {

@@ -1,4 +1,4 @@
-//! Free tips keep their clearances for all grasps: every stretch is sampled densely.
+//! Free tips keep their clearances for all grasps: every move is sampled densely.
 
 use super::*;
 
@@ -154,7 +154,7 @@ impl Scene<'_> {
     }
 }
 
-/// Samples a motion; returns how often a free tip was near the part.
+/// Samples a motion; returns the number of samples in which a free tip was near the part.
 fn sample(bench: &Bench, motion: &FingersMotion) -> usize {
     let moves: Vec<&TipsMove> = motion.steps.iter().flatten().collect();
     let mut tips = &motion.start.tips_um;
