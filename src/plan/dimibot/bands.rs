@@ -3,7 +3,7 @@
 //!
 //! Input: for each obstacle the first and last line that it may meet. Output: for a line, a slice of candidates in
 //! ascending order.
-//! Guarantees: no candidate is missing; memory stays under [`MAX_ENTRIES`] plus two entries per obstacle.
+//! Guaranteed: no candidate is missing; memory stays under [`MAX_ENTRIES`] plus two entries per obstacle.
 
 /// Largest number of (band, obstacle) pairs kept before the bands are made coarser.
 const MAX_ENTRIES: u64 = 1 << 22;

@@ -189,7 +189,7 @@ fn fill(set: &mut [u64; WORDS], first: u32, last: u32) {
 /// settled blocks, which takes the place of a heap.
 #[derive(Default)]
 pub(super) struct BlockDistances {
-    /// By block: distance to the origin, or [`UNKNOWN`].
+    /// Indexed by block: distance to the origin, or [`UNKNOWN`].
     distance: Vec<u64>,
     settled: Vec<SettledBlock>,
     classes: Vec<Class>,

@@ -100,7 +100,7 @@ pub(super) struct Lists {
     settled: Seen,
 }
 
-/// How a search ends.
+/// Outcome of a search.
 pub(super) enum SearchEnd {
     /// The target was reached.
     Found,

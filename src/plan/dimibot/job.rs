@@ -1,7 +1,7 @@
 //! Planner of one DiMiBot job. Its steps are planned as a whole: first for the objective alone, then, if that plan
 //! exceeds a limit, within the limits.
 //!
-//! A plan within limits is the best one that keeps them all. If there is none, the report on each exceeded limit states
+//! A plan within limits is the best one that keeps them all. If there is none, the report on each violated limit states
 //! what a search within all the other limits has shown.
 
 use super::reach::reached;
@@ -31,7 +31,7 @@ const WHY_BUDGET: SearchBudget = SearchBudget::of(1_000_000);
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DimibotMotion {
     pub start: LatticeCell,
-    /// One for each step of the order.
+    /// The motion in each step of the order.
     pub steps: Vec<DimibotStepMotion>,
     /// Idle time before each pulse, in nanoseconds, to let others pass; empty if there is none.
     pub delays: Vec<u64>,
@@ -320,7 +320,7 @@ impl<'a> DimibotTaskSearch<'a> {
         KnownLimit { none_keeps_all: is_proven, least, other: other.map(|plan| plan.map(drop)), advice }
     }
 
-    /// Facts that the best plan for the objective alone proves about a limit that it exceeds.
+    /// Facts that the best plan for the objective alone proves about a limit that it violates.
     fn known_of_published(&self, best: &Route, requirement: &Requirement) -> KnownLimit {
         let is_own = objective_of(&requirement.outcome)
             .is_some_and(|objective| MotionTally::only(objective, 1) == MotionTally::only(self.order.objective, 1));

@@ -2,10 +2,10 @@
 //!
 //! Problem: the Pareto front of (distance, switches) over the paths of single flips within the limits. Method:
 //! bi-criteria A* with constant-time dominance checks (BOA*, Hernández and others 2023): labels leave the queue in
-//! lexicographic order of their lower bounds on (distance, switches) to the goal, so a label is dominated if an earlier
-//! one of its cell has no more switches. The bounds are sums over the modules that differ, which are consistent.
-//! Guaranteed: complete unless the budget ran out. One step of the budget is one switch examined; a switch that leads
-//! to a label costs four more, since labels are kept.
+//! lexicographic order of (distance, switches) so far plus their lower bounds to the goal, so a label is dominated if
+//! an earlier one of its cell has no more switches. The bounds are sums over the modules that differ, which are
+//! consistent. Guaranteed: complete unless the budget ran out. One step of the budget is one switch examined; a switch
+//! that leads to a label costs four more, since labels are kept.
 
 use super::field::LatticeField;
 use super::lattice::{Flip, LatticeCell, Side, SwitchWeights, bits};

@@ -1,6 +1,6 @@
 //! Paths between two stops of a task: the best one by an objective, or the Pareto front within limits.
 //!
-//! Input: a field, cells and budgets. Output: a [`Best`] leg, or a [`LabelFront`] of legs. Promise: each leg is searched once, in
+//! Input: a field, cells and budgets. Output: a [`Best`] leg, or a [`LabelFront`] of legs. Guaranteed: each leg is searched once, in
 //! one direction; the result holds for both, since a path may be reversed.
 
 use super::field::LatticeField;
@@ -45,11 +45,11 @@ pub enum NoLeg {
 
 /// Budgets of the searches of one stage.
 pub(super) struct Meters {
-    /// For finding paths.
+    /// Budget for finding paths.
     pub(super) find: Meter,
-    /// For breaking ties between them.
+    /// Budget for breaking ties between them.
     pub(super) ties: Meter,
-    /// For paths within limits.
+    /// Budget for paths within limits.
     pub(super) limits: Meter,
 }
 

@@ -3,7 +3,7 @@
 //!
 //! Input: a [`LatticeField`] (lattice and obstacles), cells, [`SwitchWeights`] and a budget. Output: a
 //! [`DimibotAnswer`].
-//! Guarantees: a plan never touches an obstacle grown by its own growth and [`SAFETY_MARGIN_UM`]; `Impossible` is a
+//! Guaranteed: a plan never touches an obstacle enlarged by its growth and [`SAFETY_MARGIN_UM`]; `Impossible` is a
 //! proof; costs are optimal where `cost == bound`.
 
 mod apart;

@@ -28,7 +28,7 @@ pub struct Impossible {
     pub expanded: u64,
 }
 
-/// How a search proves that there is no plan.
+/// Proof that there is no plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Proof {
     /// The start is not a cell of the lattice.

@@ -18,7 +18,7 @@ use super::tally::{MotionTally, add_to_front};
 use crate::plan::search::{GaveUp, Meter, SearchBudget};
 use rustc_hash::FxHashMap;
 
-/// Up to this many modules (left and right together) the search runs over all cells.
+/// Most modules (left and right together) for which the search runs over all cells.
 const TABLE_MODULES: u32 = 12;
 /// Rectangle queries spent on finding or refuting a sequence of one length.
 const TRIES: u64 = 1 << 18;

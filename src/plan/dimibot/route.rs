@@ -34,7 +34,7 @@ pub struct RouteRequest<'a> {
 pub struct Route {
     /// The pulses of each stage.
     pub pulses: Vec<Vec<ModulePulse>>,
-    /// Its figures.
+    /// Figures of the route.
     pub tally: MotionTally,
     /// Lower bound on the objective's figure.
     pub bound: u64,
@@ -123,7 +123,7 @@ impl<'a> Router<'a> {
         if failures.is_empty() { Ok(()) } else { Err(failures) }
     }
 
-    /// Lower bound on every figure of each stage; `None` where a leg was not found.
+    /// Lower bound on every figure of each stage; `None` if a leg was not found.
     fn least(&mut self, meters: &mut [Meters]) -> Option<Vec<MotionTally>> {
         let mut from = vec![self.request.start];
         let mut least = Vec::with_capacity(self.request.stages.len());

@@ -2,7 +2,7 @@
 
 use fixedbitset::FixedBitSet;
 
-/// Up to this many modules (left and right together) a bit per cell is used: 2^26 bits, 8 MB.
+/// Most modules (left and right together) for which a bit per cell is used: 2^26 bits, 8 MB.
 const BIT_MODULES: u32 = 26;
 const FIRST_SLOTS: usize = 1 << 10;
 /// A table larger than this is dropped rather than wiped.

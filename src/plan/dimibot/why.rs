@@ -33,11 +33,11 @@ const MERGED_PER_STEP: u64 = 8;
 pub struct ObstacleBlame {
     /// Indices of the obstacles, ascending; never empty.
     pub obstacles: Vec<usize>,
-    /// What is known about their removal.
+    /// Known effect of their removal.
     pub opening: Opening,
 }
 
-/// What is known about the removal of a set of obstacles.
+/// Known effect of the removal of a set of obstacles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Opening {
     /// It opens a path, and no smaller set does.
@@ -46,8 +46,8 @@ pub enum Opening {
     Irreducible,
     /// It opens a path; a smaller part of the set may suffice.
     Opens,
-    /// They border the cells reachable from one end (or cover it); the budget did not suffice to test whether their removal is
-    /// enough.
+    /// The obstacles border the cells reachable from one end (or cover it); the budget did not suffice to test whether
+    /// their removal is enough.
     Unknown,
 }
 

@@ -84,7 +84,7 @@ impl Routes {
     }
 }
 
-/// Number of steps that a choice of turns rolls, at least.
+/// Number of steps of the turns of a choice: the fewest that it can roll.
 fn turned(turns: &[(usize, FingersTurn)]) -> u64 {
     turns.iter().map(|(_, turn)| u64::from(turn.steps.unsigned_abs())).sum()
 }

@@ -442,7 +442,7 @@ pub fn grasp_text(order: &FingersOrder, grasp: Grasp) -> String {
 /// Under a load, grasps are first evaluated lazily, with half of the looks; if these do not suffice, tables are built.
 ///
 /// # Errors
-/// Where a section has too many contacts for its tables, or the looks are spent.
+/// If a section has too many contacts for its tables, or the looks are spent.
 pub fn sound(
     order: &FingersOrder,
     sections: &mut Sections,

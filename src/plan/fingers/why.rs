@@ -460,7 +460,7 @@ impl Trials<'_> {
 fn changed(order: &FingersOrder, change: &dyn Fn(&mut FingersFacts)) -> FingersOrder {
     let mut facts = FingersFacts::clone(&order.facts);
     change(&mut facts);
-    // The default planner is the fastest to tell whether there is a plan at all.
+    // The default planner decides fastest whether there is a plan at all.
     FingersOrder { facts: Arc::new(facts), planner: FingersPlanner::JointAstar, ..order.clone() }
 }
 

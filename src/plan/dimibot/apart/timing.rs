@@ -80,8 +80,8 @@ struct Arrival {
 }
 
 impl TimedWay {
-    /// Delay before each pulse, minimal for the earliest end.
     /// Delay before each pulse, for the earliest end of the path.
+    ///
     /// # Errors
     /// See [`StuckWay`]. `allowed` is the remaining number of comparisons and is decremented.
     pub fn delays(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<u64>, StuckWay> {

@@ -1,6 +1,6 @@
 //! Tip areas of placed robots in their scene, and which of them come near each other.
 //!
-//! Input: cells of a robot and the pose of its frame. Output: areas of the scene, in micrometres. Promise: two areas are near if
+//! Input: cells of a robot and the pose of its frame. Output: areas of the scene, in micrometres. Guaranteed: two areas are near if
 //! their distance is at most the given gap. An area is a rectangle, a segment or a point; the distance is 0 unless a separating
 //! line exists, and is otherwise measured between corners and edges.
 

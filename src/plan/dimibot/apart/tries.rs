@@ -50,7 +50,7 @@ pub enum TryReason {
     Spent,
 }
 
-/// Where an attempt failed.
+/// Point at which an attempt failed: the job, the robot in its way, and the instant.
 #[derive(Debug, Clone)]
 pub struct TryFailure {
     pub reason: TryReason,

@@ -18,7 +18,7 @@ use rustc_hash::FxHashMap;
 
 /// Coarse modules of each side in the first abstraction: 64 by 64 blocks.
 const COARSE: u32 = 6;
-/// The same for the second abstraction: 1024 by 1024 blocks. Smaller lattices do not need it.
+/// Coarse modules of each side in the second abstraction: 1024 by 1024 blocks. Smaller lattices do not need it.
 const MIDDLE: u32 = 10;
 /// Cells queued before the distances of blocks are computed.
 const FIRST_TRY: u64 = 1 << 12;
@@ -220,9 +220,9 @@ struct MiddleGuide<'a> {
     to_goal: BlockGuide<'a>,
     start: [u32; 2],
     goal: [u32; 2],
-    /// By block: distance to the goal.
+    /// Distance to the goal, by block.
     exact: FxHashMap<[u32; 2], u64>,
-    /// For every block not in `exact`, the sum of its distance to the goal and `to_start` is at least this.
+    /// Lower bound on the sum of the distance to the goal and `to_start`, for every block not in `exact`.
     layer: u64,
 }
 

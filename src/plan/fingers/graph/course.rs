@@ -201,7 +201,7 @@ impl PreparedRoute {
         grasp
     }
 
-    /// The node of a set of fingers on contacts; `None` where they do not hold.
+    /// The node of a set of fingers on contacts; `None` if they do not hold.
     #[inline]
     pub fn spot(&self, leg: usize, angle: usize, set: u8, contacts: &[usize]) -> Option<NodeSpot> {
         let sheet = &self.sheets[leg];
@@ -213,7 +213,7 @@ impl PreparedRoute {
         holds.then_some(NodeSpot { leg, angle, chain: GraspChain { set, phases } })
     }
 
-    /// The node of a grasp; `None` where it does not hold, or is not a grasp of this hand on this section.
+    /// The node of a grasp; `None` if it does not hold, or is not a grasp of this hand on this section.
     pub fn place(&self, leg: usize, angle: usize, grasp: &Grasp) -> Option<NodeSpot> {
         let fingers: Vec<usize> = (0..grasp.0.len()).filter(|finger| grasp.0[*finger] != 0).collect();
         let contacts: Vec<usize> = fingers.iter().filter_map(|finger| grasp.contact(*finger)).collect();
@@ -227,7 +227,7 @@ impl PreparedRoute {
         self.sheets[spot.leg].pin.is_none_or(|pin| self.grasp(spot) == pin)
     }
 
-    /// The nodes at which a leg may end, if they are few; `None` where any grasp is allowed.
+    /// The nodes at which a leg may end, if they are few; `None` if any grasp is allowed.
     pub fn few_ends(&self, leg: usize) -> Option<Vec<NodeSpot>> {
         let sheet = &self.sheets[leg];
         if let Some(pin) = &sheet.pin {

@@ -31,7 +31,7 @@ struct EndGrasp {
 #[derive(Debug)]
 pub struct Published<'a> {
     course: &'a PreparedRoute,
-    /// For each leg the target grasps; `None` where any is allowed.
+    /// For each leg the target grasps; `None` if any is allowed.
     goals: Vec<Option<Vec<EndGrasp>>>,
 }
 

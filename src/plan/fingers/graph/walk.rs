@@ -102,7 +102,7 @@ struct WalkEntry {
     raise: u64,
 }
 
-/// The starts not yet generated, where any grasp may start.
+/// The starts not yet generated, if any grasp may start.
 #[derive(Debug, Clone, Copy)]
 struct Starts {
     /// Remaining reconfigurations of the next ones.
@@ -120,9 +120,10 @@ pub struct RouteWalk<'a, E> {
     costs: RankedEntry,
     pub estimate: E,
     records: Vec<WalkRecord>,
-    /// By node, and by reconfigurations so far where these are limited.
+    /// Index of a record by node, and by reconfigurations so far if these are limited.
     known: FxHashMap<(u64, u32), u32>,
-    /// Fewest reconfigurations at which a node was expanded, where they are limited: later entries with as many are dominated.
+    /// Fewest reconfigurations at which a node was expanded, if they are limited; later entries with as many or more are
+    /// dominated.
     expanded: FxHashMap<u64, u32>,
     /// Open list, by estimated total cost, then by remaining cost.
     open: BTreeMap<(u64, u64), Vec<WalkEntry>>,
@@ -238,7 +239,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         self.expanded.get(&record.spot).is_some_and(|gaits| *gaits <= gaits_of(record.cost))
     }
 
-    /// h of a node reached at a cost; `None` where no goal is reachable within the limit.
+    /// h of a node reached at a cost; `None` if no goal is reachable within the limit.
     #[inline]
     fn to_go(&self, spot: NodeSpot, cost: u64) -> Option<u64> {
         let gaits = self.estimate.gaits(spot);

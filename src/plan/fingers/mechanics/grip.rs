@@ -35,7 +35,7 @@ impl GripModel {
 
     /// Whether two fingers resist the pull of a third that leaves, in addition to the load.
     ///
-    /// It does not tell whether the two hold alone afterwards; see [`GripModel::holds`].
+    /// This does not imply that the two hold alone afterwards; see [`GripModel::holds`].
     pub fn resists(&self, stay: [&Contact; 2], leaves: &Contact, load: &Load) -> bool {
         self.two_hold(stay, load, &self.removal(leaves, load))
     }

@@ -31,7 +31,7 @@ pub struct Lazy {
     /// Load at angle 0 of the leg.
     load: Load,
     looks: Rc<LooksBudget>,
-    /// By angle, question and contacts.
+    /// Answers by angle, question and contacts.
     known: RefCell<FxHashMap<u64, bool>>,
 }
 

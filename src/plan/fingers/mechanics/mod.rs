@@ -1,7 +1,7 @@
 //! The mechanics of one section: contacts, grasps in equilibrium, placements and removals of fingers, all tabulated for the search.
 //!
 //! Input: a section, the hand's data, and the load. Output: [`tables`], and the same answers one by one from [`GripModel`].
-//! Promise: the answers are exact up to [`TOLERANCE`]; an exact balance counts as holding. Bodies are rigid, friction is Coulomb's,
+//! Guaranteed: the answers are exact up to [`TOLERANCE`]; an exact balance counts as holding. Bodies are rigid, friction is Coulomb's,
 //! and the object stays in place while fingers roll, come and leave.
 //!
 //! The model in the plane: each finger's force lies in a triangle, a friction cone whose apex is shifted outwards by

@@ -22,7 +22,7 @@ pub struct GripModel {
 }
 
 impl GripModel {
-    /// For a hand on a part with the given greatest distance from its origin.
+    /// The model of a hand on a part whose outlines reach at most `reach_um` from its origin.
     pub fn of(facts: &FingersFacts, reach_um: f64) -> GripModel {
         GripModel {
             friction: facts.friction,
@@ -35,7 +35,7 @@ impl GripModel {
         }
     }
 
-    /// The same hand while its fingers roll: reduced by the device's reserve.
+    /// The model while the fingers roll: reduced by the device's reserve.
     pub fn with_reserve(&self) -> GripModel {
         let kept = 1.0 - self.reserve;
         GripModel {

@@ -118,7 +118,7 @@ pub(super) struct LineForce {
 }
 
 impl LineForce {
-    /// For two fingers at different places.
+    /// The wrenches of two fingers; none if their contacts coincide.
     pub fn between(a: &ForceCone, b: &ForceCone, arm_um: f64, slack_un: f64) -> LineForce {
         let mut line = LineForce { halves: [Half::NONE; 9], count: 0, nothing: true, slack_un };
         let (along, length_um) = chord(a, b);

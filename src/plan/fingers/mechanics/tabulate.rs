@@ -123,7 +123,7 @@ impl TableRequest<'_> {
     }
 }
 
-// Contacts that a third tip can reach and leave, where tips have room; with a single layer, only beside pairs that hold.
+// Contacts that a third tip can reach and leave, and at which tips have room; with a single layer, only beside pairs that hold.
 fn ways(
     now: &PairsInstant,
     layers: usize,

@@ -9,9 +9,9 @@
 //! circles of this sphere, and approaches and leaves contacts along paths that [`ContactReach`] has tested. If the tip
 //! of another free finger is in the way, that finger first steps aside on its own sphere.
 //!
-//! Promise: holding tips stay within half the tolerance of exact rolling without slip at every instant, and are exact where a state
+//! Guaranteed: holding tips stay within half the tolerance of exact rolling without slip at every instant, and are exact where a state
 //! is recorded, also across a change of plane: a tip keeps rolling from where it is. Free tips keep the clearance, less the
-//! tolerance, from the outline in their plane, from holding tips and from each other. Not promised: the fastest motions. Cost grows
+//! tolerance, from the outline in their plane, from holding tips and from each other. Not guaranteed: the fastest motions. Cost grows
 //! with the number of chords.
 
 mod motion;

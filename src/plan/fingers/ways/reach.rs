@@ -6,9 +6,9 @@
 //! Each contact and each direction is tested once against the outline, and once against each tip; a query is then the conjunction
 //! of some masks.
 //!
-//! Promise: along a path the tip's centre keeps `tip_radius + clearance` from the outline, except on the slow stretch, where it
+//! Guaranteed: along a path the tip's centre keeps `tip_radius + clearance` from the outline, except on the slow stretch, where it
 //! keeps the tip's radius, both less a quarter of the tolerance; and two radii and the clearance from holding tips, less a part in
-//! 10⁹. Not promised: that a contact without a path in the fan has no path. Cost grows with contacts² × directions.
+//! 10⁹. Not guaranteed: that a contact without a path in the fan has no path. Cost grows with contacts² × directions.
 
 use super::rolling;
 use crate::device::fingers::FingersFacts;

@@ -44,7 +44,7 @@ impl Arc {
     }
 }
 
-/// A unit vector orthogonal to another one: in the plane xy unless that one is nearly along z.
+/// A unit vector orthogonal to a given one: in the xy plane, unless the given one is nearly along z.
 fn square_to(vector: Vector3<f64>) -> Vector3<f64> {
     let pole = if vector.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
     pole.cross(&vector).normalize()
