@@ -1,9 +1,9 @@
 //! Waits for inputs and people: a schedule remains valid whenever each of them ends.
 //!
-//! Such a wait may be cut short at any instant, and everything after it moves forward. That changes nothing but the
-//! length of the wait if every channel keeps one value throughout it, and if nothing timed reaches into it: no other
-//! run, no wait of the program, no pulse. What is played afterwards is then what was verified, at the same distances.
-//! Physical changes on the bench during the wait, such as evaporation of droplets, are not modelled.
+//! Such a wait may be cut short at any instant, and everything after it then starts earlier. That changes nothing but
+//! the length of the wait if every channel keeps one value throughout it, and if nothing timed reaches into it: no
+//! other run, no wait of the program, no pulse. What is played afterwards is then what was verified, at the same
+//! distances. Physical changes on the bench during the wait, such as evaporation of droplets, are not modelled.
 
 use super::clock::{DueStretch, JudgedRun};
 use super::rule::{Findings, Rule, Violation, ms};

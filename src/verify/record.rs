@@ -110,7 +110,7 @@ fn other_bounds(run: &JudgedRun, findings: &mut Findings) {
     }
 }
 
-/// Two different numbers in words, with all their digits if fewer would look the same.
+/// Two different numbers as text, with all their digits if fewer would look the same.
 fn apart(one: f64, other: f64) -> (String, String) {
     let (short_one, short_other) = (digits(one), digits(other));
     if short_one == short_other { (one.to_string(), other.to_string()) } else { (short_one, short_other) }

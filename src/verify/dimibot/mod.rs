@@ -302,8 +302,8 @@ impl DimibotRun<'_> {
         self.pulses.iter().map(|pulse| pulse.parts.len()).sum()
     }
 
-    /// Outcomes in SI units. The distance is exact for any order of snapping: each module that snaps moves the tip
-    /// along its own axis by its own column of the matrix.
+    /// Outcomes in SI units. The distance does not depend on the order of snapping: each module that snaps moves the
+    /// tip along its own axis by its own column of the matrix.
     fn outcomes(&self) -> BTreeMap<&'static str, f64> {
         let facts = self.facts();
         let strokes = || self.pulses.iter().flat_map(|pulse| &pulse.strokes);

@@ -1,11 +1,12 @@
 //! Progress of the operations in an assay.
 //!
-//! A part performs its operations in order, each as early as possible. It has passed a stop once it is there; it has
-//! completed a stay once it has not left its cell for all beats of the stay; it has merged with another once both are
-//! there and have completed everything before. A part that leaves the board is gone as soon as it is at its exit; a
-//! droplet that is dispensed stays at the outlet from the beat in which it appears. A droplet is mixed while it goes
-//! anticlockwise round its loop, one cell per beat, from the corner to the corner. It is split in the beat in which
-//! the electrodes on both sides of it pull. An operation that comes after others begins once those are done.
+//! A part performs its operations in order; each counts as done at the first beat at which it can. The part has passed
+//! a stop once it is there; it has completed a stay once it has not left its cell for all beats of the stay; it has
+//! merged with another once both are there and have completed everything before. A part that leaves the board is gone
+//! as soon as it is at its exit; a droplet that is dispensed stays at the outlet from the beat in which it appears. A
+//! droplet is mixed while it goes anticlockwise round its loop, one cell per beat, from the corner to the corner. It
+//! is split in the beat in which the electrodes on both sides of it pull. An operation that comes after others begins
+//! once those are done.
 
 use super::mixing::{Loop, Mixing};
 use super::stage::Meetings;
@@ -13,7 +14,7 @@ use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A part's next task: a stop, with what it does there.
+/// A part's next task: a stop, with its work there.
 #[derive(Debug)]
 struct DueStop<'o> {
     cell: ElectrodeCell,
@@ -27,7 +28,7 @@ struct DueStop<'o> {
     work: DueWork,
 }
 
-/// What a part does at a stop.
+/// The work of a part at a stop.
 #[derive(Debug, Clone, Copy)]
 enum DueWork {
     /// Stays, or merges.

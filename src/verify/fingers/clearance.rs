@@ -53,7 +53,8 @@ pub(super) fn clear_um(facts: &FingersFacts) -> f64 {
 pub(super) struct Flight {
     /// Position of the contact that its tip left; `None` if unknown.
     left_um: Option<Point>,
-    /// Once it is near the part, to touch it next: the instant at which it came near, and its positions since.
+    /// The instant at which the tip came near the part in order to touch it, and its positions since then; `None`
+    /// while it is not near.
     pub near: Option<(u64, Vec<Point>)>,
 }
 

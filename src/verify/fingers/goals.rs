@@ -81,7 +81,7 @@ impl JudgedHand<'_, '_> {
         Some(format!("a grasp ends on the contacts {found}, ({}) are asked for", listed(contacts)))
     }
 
-    /// The part has turned about one axis only, by the requested angle.
+    /// The part has turned by the requested angle, and about no other axis.
     fn turn_fault(&self, asked: Option<(Plane, f64)>) -> Option<String> {
         for plane in self.body.planes() {
             let turn_rad = self.since.turn_rad(plane);
@@ -109,7 +109,7 @@ impl JudgedHand<'_, '_> {
             .then(|| format!("the part ends {off} deg from its orientation, {within} deg are allowed"))
     }
 
-    /// The part's origin has moved by the requested distance.
+    /// The part's origin has moved as requested.
     fn place_fault(&self, by_um: Point) -> Option<String> {
         let off_um = (self.grip.pose().position_um - self.since.pose.position_um - by_um).norm();
         let within_um = self.order.facts.tolerance_um;

@@ -264,7 +264,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         Err(self.run.violation(Rule::Wait, nth, stretch.start_ns, title).into())
     }
 
-    /// The holding fingers that leave at this stretch: those that move off while others stay.
+    /// The holding fingers that leave in this stretch: those that move off while others stay.
     fn leaving(&self, nth: usize, stretch: &Stretch) -> Vec<usize> {
         let tolerance_um = self.order.facts.tolerance_um;
         let (pose, plane) = (self.grip.pose(), self.grip.plane);
@@ -488,8 +488,8 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
     }
 
-    /// A tip that is nearer to the part than permitted, if it is. For a holding tip, that means pressing into its
-    /// contact.
+    /// A tip that is nearer to the part than permitted, if it is. For a holding tip the whole outline counts, not only
+    /// its contact.
     pub(super) fn strays(&self, finger: usize, pose: &ObjectPose, time_ns: u64, tips_um: &[Point]) -> Option<TipHit> {
         let facts = &self.order.facts;
         let tip_um = &tips_um[finger];

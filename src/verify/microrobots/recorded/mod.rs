@@ -130,7 +130,7 @@ impl JudgedRecording<'_> {
     }
 }
 
-/// What the operator can do about a violation.
+/// Help for the operator, by the rule that is broken.
 fn mend(rule: Rule) -> &'static str {
     const MENDS: [(Rule, &str); 7] = [
         (

@@ -18,7 +18,7 @@ fn a_stay_counts_from_then_on() {
     judged(two(), &[".....", "....."], &[]);
     judged(two(), &["....", "...."], &[Rule::Goal]);
     judged(two(), &["......", "......"], &[Rule::Idle]);
-    // What it does before that does not matter.
+    // Its earlier moves do not matter.
     judged(two(), &[".....", "RL..."], &[]);
     judged(two(), &[".....", ".RL.."], &[]);
     judged(two(), &[".....", "..RL."], &[Rule::Goal]);
