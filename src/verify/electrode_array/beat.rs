@@ -263,8 +263,8 @@ impl JudgedBoard<'_, '_> {
         self.spans(moment, pair).map(|[one, other]| one.apart(&other))
     }
 
-    /// Two parts keep the separation. Between two parts that merge, moves at their common goal are exempt; the two
-    /// halves of a split need it only at their destinations.
+    /// Two parts keep the separation. Between two parts that merge, their common goal and moves to or from it are
+    /// exempt; the two halves of a split need it only at their destinations.
     fn touches(&self, moment: &StepBeat, pulls: &Pulls) -> Option<Broken> {
         let at_ns = moment.at_ns;
         let needed = needed(&self.order.facts);
