@@ -1,11 +1,11 @@
-//! Which of many boxes meet a box: a two-level list that spares most comparisons.
+//! Finds the boxes that meet an area, by a two-level list that avoids most comparisons.
 //!
-//! Input: axis-aligned boxes. Output: those that meet an area, touching included, in the order of their indices. Cost of a query: the
-//! number of groups plus the members of the groups that meet the area.
+//! Input: axis-aligned boxes. Output: those that meet an area, touching included, in ascending order of index. Cost of
+//! a query: one comparison per group, plus one per member of the groups that meet the area.
 
 use nalgebra::Point2;
 
-/// Boxes per group: a query costs one comparison for each group and one for each member of the groups met.
+/// Boxes per group.
 const GROUP: usize = 32;
 
 /// An axis-aligned box, borders included.
@@ -37,7 +37,7 @@ impl Extent {
         (0..2).all(|axis| self.low[axis] <= other.high[axis] && other.low[axis] <= self.high[axis])
     }
 
-    /// The greater of the gaps of the two boxes along x and y; at most 0 if they meet.
+    /// The greater of the signed gaps of the two boxes along x and y; at most 0 if they meet.
     pub fn gap_um(&self, other: &Extent) -> f64 {
         let along = |axis: usize| (self.low[axis] - other.high[axis]).max(other.low[axis] - self.high[axis]);
         along(0).max(along(1))
@@ -48,14 +48,14 @@ impl Extent {
     }
 }
 
-/// Boxes, each with the index under which it was given, in groups of neighbours.
+/// Boxes with their indices, in groups of neighbours.
 #[derive(Debug, Default)]
 pub(super) struct GroupedBoxes {
     groups: Vec<(Extent, Vec<(Extent, usize)>)>,
 }
 
 impl GroupedBoxes {
-    /// Sorts boxes into groups: strips by x, within a strip runs by y.
+    /// Groups boxes into strips by x, and each strip into groups by y.
     pub fn new(extents: impl Iterator<Item = Extent>) -> GroupedBoxes {
         let mut all: Vec<(Extent, usize)> = extents.enumerate().map(|(index, extent)| (extent, index)).collect();
         let strips = (all.len() as f64 / GROUP as f64).sqrt().ceil().max(1.0) as usize;

@@ -1,4 +1,4 @@
-//! The rules, each with its code and what it demands.
+//! The catalogue of rules: for each one its code and what it demands.
 
 use crate::diagnostic::Code;
 
@@ -12,12 +12,12 @@ macro_rules! rules {
             /// Every rule, in the order in which violations of one instant are listed.
             pub const ALL: &'static [Rule] = &[$(Rule::$rule),*];
 
-            /// The code under which a violation is shown and explained.
+            /// Code of the diagnostic for a violation.
             pub fn code(self) -> Code {
                 match self { $(Rule::$rule => Code::$code,)* }
             }
 
-            /// What it demands, as a sentence without its full stop.
+            /// The demand of the rule, as a sentence without its full stop.
             pub fn says(self) -> &'static str {
                 match self { $(Rule::$rule => $says,)* }
             }
@@ -99,7 +99,7 @@ rules! {
 }
 
 impl Rule {
-    /// Whether it is about what the schedule says of itself, and not about what takes place.
+    /// Whether the rule is about the schedule's own record, as opposed to what happens on the devices.
     pub fn is_of_the_record(self) -> bool {
         matches!(self, Rule::Figure | Rule::State | Rule::Requirement)
     }

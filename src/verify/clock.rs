@@ -1,8 +1,8 @@
-//! Second round: the runs and steps of the schedule are those of the claims; and the timeline of the claims.
+//! Second round: the runs and steps of the schedule are those of the claims, and keep the timeline of the claims.
 //!
-//! Input: a schedule that `form` found nothing in. Output: a [`JudgedRun`] for each job, and the jobs in the order in which
-//! devices meet them. Promise: if [`runs`] finds nothing, the steps of a run are those of its task, follow each other without a gap
-//! from the run's start to its end, and hold all their actuations.
+//! Input: a schedule in which `form` found nothing. Output: a [`JudgedRun`] for each job, and the jobs in the order in
+//! which devices execute them. Promise: if [`runs`] finds nothing, the steps of a run are those of its task, follow
+//! each other without a gap from the run's start to its end, and contain all their actuations.
 
 use super::evidence::Tally;
 use super::form::is_auxiliary;
@@ -19,9 +19,9 @@ pub(super) struct JudgedRun<'a> {
     pub schedule: &'a Schedule,
     pub job: &'a Job,
     pub plan: &'a PlanRecord,
-    /// Indices of the schedule's steps, in order.
+    /// Indices into the schedule's steps, in order.
     pub steps: Vec<usize>,
-    /// Where each of the job's steps is written.
+    /// Place of each of the job's steps in the source.
     pub spans: Vec<Span>,
     /// By start, then channel.
     pub actuations: Vec<&'a Actuation>,
@@ -29,7 +29,7 @@ pub(super) struct JudgedRun<'a> {
 }
 
 impl<'a> JudgedRun<'a> {
-    /// The step of a place in the run.
+    /// The run's `nth` step, from 0.
     pub fn step(&self, nth: usize) -> &'a ScheduledStep {
         &self.schedule.steps[self.steps[nth]]
     }
@@ -173,7 +173,7 @@ fn devices(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
 }
 
-/// The instant at which the last pulse of the program ends, 0 without any.
+/// The instant at which the last pulse of the program ends; 0 if there is none.
 fn last_pulse_ns(runs: &[JudgedRun], claims: &Claims) -> u64 {
     let ends = runs.iter().flat_map(|run| {
         let pulses =
@@ -183,14 +183,15 @@ fn last_pulse_ns(runs: &[JudgedRun], claims: &Claims) -> u64 {
     ends.max().unwrap_or(0)
 }
 
-/// A run or a wait of the program, as it is due; a wait has no job.
+/// A run or a wait of the program, at the times that the timeline demands; a wait has no job.
 pub(super) struct DueStretch {
     pub start_ns: u64,
     pub end_ns: u64,
     pub job: Option<usize>,
 }
 
-/// Checks when runs begin and end. Returns all runs and waits, those of one device in the order in which it meets them.
+/// Checks when runs begin and end. Returns all runs and waits, those of one device in the order in which it executes
+/// them.
 pub(super) fn timeline(
     schedule: &Schedule,
     runs: &[JudgedRun],
@@ -210,7 +211,8 @@ pub(super) fn timeline(
     due
 }
 
-/// The end of a part of the timeline that starts at an instant. Saturates: the end of the clock is no end that a schedule can reach.
+/// The end of a part of the timeline that starts at `start_ns`; appends the part's runs and waits to `due`. Saturates
+/// at the end of the clock, which no schedule can reach.
 fn walk(
     part: &Timeline,
     start_ns: u64,

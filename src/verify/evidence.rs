@@ -1,38 +1,39 @@
-//! What a verification looked at: how often each rule was asked, and how near things came to one another.
+//! What a verification checked: number of checks per rule, and the least clearances.
 //!
-//! Every function that can find a rule broken first tells the [`Tally`] how many things it asks the rule of: in the tests of this stage a
-//! violation of a rule that was asked of nothing is a panic. Distances are those by which the rules judge.
+//! Every function that can find a rule broken first counts its checks in the [`Tally`]; in the tests of this stage, a
+//! violation of a rule without a check is a panic. The distances are those by which the rules judge.
 
 use super::catalogue::Rule;
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 
-/// What stands behind the word "verified".
+/// The evidence for the word "verified".
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Evidence {
-    /// The rules that were asked of anything, in their order, with the number of things.
+    /// The rules that were checked at least once, in their order, each with the number of checks.
     pub checks: Vec<(Rule, u64)>,
-    /// The least distance of each sort on each device.
+    /// The least clearance of each rule on each device.
     pub clearances: Vec<Clearance>,
 }
 
-/// The least distance that two things have in a schedule.
+/// The least distance between two things in a schedule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clearance {
     /// The rule that limits it.
     pub rule: Rule,
     pub device: String,
-    /// What comes near to each other.
+    /// Names of the two things.
     pub between: [String; 2],
-    /// In micrometres between surfaces, or electrodes between centres.
+    /// Distance in `unit`: micrometres between surfaces, or electrodes between centres.
     pub apart: f64,
-    /// The least gap that the rule allows.
+    /// Least distance that the rule allows, in `unit`.
     pub needed: f64,
-    /// By how much the true least gap may be smaller, where a path is followed in steps.
+    /// Upper bound on the error where a path is sampled: the true least distance may be smaller by this much, in
+    /// `unit`.
     pub within: f64,
     pub unit: GapUnit,
     pub t_ns: u64,
-    /// The two points that are nearest to each other, in the coordinates of the scene, the board or the hand; z is 0 but for hands.
+    /// The nearest points of the two, in the coordinates of the scene, the board or the hand; z is 0 except for hands.
     pub points: [[f64; 3]; 2],
 }
 
@@ -43,10 +44,10 @@ pub enum GapUnit {
     Electrodes,
 }
 
-/// Evidence while it is gathered; the rules share it.
+/// Evidence while it is collected; shared by the rules.
 #[derive(Debug)]
 pub(super) struct Tally {
-    /// By rule.
+    /// Number of checks, by rule.
     checks: Vec<Cell<u64>>,
     nearest: RefCell<BTreeMap<Rule, BTreeMap<String, Clearance>>>,
 }
@@ -58,24 +59,24 @@ impl Default for Tally {
 }
 
 impl Tally {
-    /// A rule is asked of a number of things.
+    /// Counts checks of a rule.
     pub fn asked(&self, rule: Rule, times: usize) {
         let count = &self.checks[rule as usize];
         count.set(count.get().saturating_add(times as u64));
     }
 
-    /// How often a rule was asked.
+    /// Number of checks of a rule so far.
     pub fn times(&self, rule: Rule) -> u64 {
         self.checks[rule as usize].get()
     }
 
-    /// The least gap of a sort that was met on a device so far; infinite before the first.
+    /// The least distance under a rule on a device so far; infinite before the first.
     pub fn least(&self, rule: Rule, device: &str) -> f64 {
         let nearest = self.nearest.borrow();
         nearest.get(&rule).and_then(|devices| devices.get(device)).map_or(f64::INFINITY, |found| found.apart)
     }
 
-    /// Keeps a gap that is less than all of its sort before it.
+    /// Keeps a distance that is less than all earlier ones of its rule and device.
     pub fn near(&self, found: Clearance) {
         if found.apart < self.least(found.rule, &found.device) {
             let mut nearest = self.nearest.borrow_mut();
@@ -83,7 +84,7 @@ impl Tally {
         }
     }
 
-    /// The least gap of a sort on a device may be smaller by some length.
+    /// Widens the error bound of the least distance under a rule on a device.
     pub fn off_by(&self, rule: Rule, device: &str, within: f64) {
         let mut nearest = self.nearest.borrow_mut();
         if let Some(found) = nearest.get_mut(&rule).and_then(|devices| devices.get_mut(device)) {
@@ -91,7 +92,7 @@ impl Tally {
         }
     }
 
-    /// What was gathered.
+    /// The evidence collected so far.
     pub fn evidence(&self) -> Evidence {
         let checks = Rule::ALL.iter().map(|rule| (*rule, self.times(*rule))).filter(|(_, times)| *times > 0).collect();
         let clearances = self.nearest.borrow().values().flat_map(BTreeMap::values).cloned().collect();

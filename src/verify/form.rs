@@ -1,7 +1,8 @@
-//! First round: is it a schedule at all, and for these devices?
+//! First round: whether the schedule is well formed, and for these devices.
 //!
-//! Input: a schedule as it was read, and the claims. Promise: if nothing is found, every index names something, no sum of a
-//! start and a duration overflows, every number is finite, and every channel is one of a claimed device or output.
+//! Input: a schedule as it was read, and the claims. Promise: if nothing is found, every index is within its list, no
+//! sum of a start and a duration overflows, every number is finite, and every channel belongs to a claimed device or
+//! output.
 
 use super::judge_of;
 use super::rule::{Findings, Rule, Violation, ms};
@@ -10,7 +11,7 @@ use crate::device::instrument::{AuxiliarySort, Direction, Link};
 use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Reached, Schedule, Swing};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Room for the rounding of a product of two figures of the program.
+/// Tolerance for the rounding of a product of two figures of the program.
 const BENCH_ROUNDING: f64 = 1.0 + 1e-12;
 
 pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
@@ -121,7 +122,7 @@ fn figures(schedule: &Schedule, findings: &mut Findings) {
     }
 }
 
-/// Whether a channel is that of an auxiliary output of the program.
+/// Whether a channel belongs to an auxiliary output of the program.
 pub(super) fn is_auxiliary(channel: &Channel, claims: &Claims) -> bool {
     let own = channel.name.strip_prefix(channel.device.as_str()).and_then(|name| name.strip_prefix('.'));
     claims.outputs.contains_key(&channel.device) && own == Some(AuxiliarySort::CHANNEL)
@@ -156,7 +157,7 @@ fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str,
     })
 }
 
-/// Channels of devices rest at 0 V, auxiliary outputs where the program has them.
+/// Channels of devices rest at 0 V; auxiliary outputs rest at the voltage of the program.
 fn rests(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     findings.asked(Rule::Output, schedule.channels.len());
     for channel in &schedule.channels {
@@ -187,7 +188,7 @@ fn wires(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
 }
 
-/// The instruments as the program has them, and nothing asked of them that they cannot do.
+/// The instruments are those of the program, and every value that is played is within what they can give.
 fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     findings.asked(Rule::Wire, 1);
     if !schedule.bench.is_same(&claims.bench) {
@@ -234,7 +235,7 @@ fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
 }
 
-/// No stage moves faster than the program says that it can.
+/// No stage moves faster than the speed limit of the program.
 fn stage_speeds(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     for actuation in &schedule.actuations {
         let Some(channel) = schedule.channels.get(actuation.channel as usize) else { continue };
@@ -284,7 +285,7 @@ fn swings(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
 }
 
-/// The fault of a swing, if any, on a device of an order.
+/// The fault of a swing, if any, on a device with this order.
 fn swing_fault(actuation: &Actuation, swing: Swing, order: Option<&Order>) -> Option<String> {
     let Swing { period_ns, levels: [first, second] } = swing;
     let Actuation { duration_ns, from, to, .. } = *actuation;

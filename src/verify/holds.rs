@@ -1,9 +1,9 @@
-//! Waits for inputs and people: a schedule holds for every end of each of them.
+//! Waits for inputs and people: a schedule remains valid whenever each of them ends.
 //!
-//! The stretch of such a wait may be cut short at any instant, and all that comes after it moves there. That changes nothing but the
-//! length of the wait if every channel has one value in the whole of it, and if nothing that takes its time reaches into it: no other
-//! run, no wait of the program, no pulse. Then what is played after it is what was verified, at the same distances. What the
-//! bench itself does in the time, as drops that dry, is not modelled.
+//! Such a wait may be cut short at any instant, and everything after it then starts earlier. That changes nothing but
+//! the length of the wait if every channel keeps one value throughout it, and if nothing timed reaches into it: no
+//! other run, no wait of the program, no pulse. What is played afterwards is then what was verified, at the same
+//! distances. Physical changes on the bench during the wait, such as evaporation of droplets, are not modelled.
 
 use super::clock::{DueStretch, JudgedRun};
 use super::rule::{Findings, Rule, Violation, ms};
@@ -11,7 +11,7 @@ use crate::claims::Claims;
 use crate::claims::auxiliary::Hold;
 use crate::schedule::{Schedule, ScheduledHold};
 
-/// Holds every wait of the schedule against those of the claims, and against all that goes on.
+/// Checks every wait of the schedule against those of the claims, and against everything that runs at the same time.
 pub(super) fn check(
     schedule: &Schedule,
     runs: &[JudgedRun],

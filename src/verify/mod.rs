@@ -1,17 +1,20 @@
-//! Judges a schedule against the device models and the program's claims, trusting nothing of the planner.
+//! The independent verifier: replays a schedule against the device models and the program's claims, and trusts nothing
+//! of the planner.
 //!
-//! Input: a [`Schedule`] and the [`Claims`] of its program. Output: a [`Verdict`].
-//! Promise: only this stage can make a [`Verified`] value, and only such a value can be emitted, but for the page that shows why a log was
-//! refused. It uses nothing of a planner, and
-//! nothing that planners measure with: distances, placed shapes and outlines are those of `geometry` in here. The parts of
-//! `device` that both use are listed in `tests/tidy.rs`. Places come from the kinematic matrix, sweeps from gaps between projections, moves
-//! of parts from the electrodes that are on, turns of parts from the contacts of tips. No input makes it panic. Cost for n actuations and m
-//! obstacles: n log n to sort, and for each move m/32 comparisons of boxes plus the exact distance of the few bodies near it; each
-//! step of a board also costs its parts, each sample of a rolling motion a linear program.
+//! Input: a [`Schedule`] and the [`Claims`] of its program. Output: a [`Verdict`]. Promise: only this stage can make a
+//! [`Verified`] value, and only such a value can be emitted; the exception is the page that shows why a log was
+//! refused. The verifier shares no code with a planner, nor the geometry that planners measure with: distances, placed
+//! shapes and outlines come from its own `geometry` module. `tests/tidy.rs` lists the parts of `device` that both use.
+//! Positions come from the kinematic matrix, swept areas from gaps between projections, moves of parts from the
+//! electrodes that are on, and turns of parts from the contacts of tips. No input makes it panic. Cost for n
+//! actuations and m obstacles: n log n to sort, and per move m/32 box comparisons plus the exact distance to the few
+//! bodies near it; each step of a board also costs its parts, and each sample of a rolling motion a linear program.
 //!
-//! Rules are checked in three rounds, each only if the one before found nothing, since a broken index or interval would
-//! make nonsense of the rest: `form` (the schedule alone), `clock` (its runs and steps against the claims), and
-//! then together the timeline, the replay of each run (one file per kind), and `record` (the schedule's own figures).
+//! Rules are checked in three rounds. A round starts only if the one before found nothing, because a broken index or
+//! interval would make the later findings meaningless:
+//! 1. `form`: the schedule alone.
+//! 2. `clock`: its runs and steps against the claims.
+//! 3. The timeline, the replay of each run (one file per kind), and `record` (the schedule's own figures), together.
 
 mod boxes;
 mod catalogue;
@@ -62,12 +65,12 @@ impl Verified {
         &self.held.1
     }
 
-    /// What was checked, how often, and what comes nearest to what.
+    /// Number of checks of each rule, and the least clearances.
     pub fn evidence(&self) -> &Evidence {
         &self.held.2
     }
 
-    /// Takes a schedule on trust, for the tests of the stages that come after this one.
+    /// Accepts a schedule without checking it, for tests of the later stages.
     #[cfg(test)]
     pub(crate) fn assume(schedule: Schedule, claims: Claims) -> Self {
         Verified { held: Box::new((schedule, claims, Evidence::default())) }
@@ -86,7 +89,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verified schedule; what speaks against it is pushed.
+    /// The verified schedule; otherwise `None`, with the violations or the reason pushed to the sink.
     pub fn accepted(self, sink: &mut Sink) -> Option<Verified> {
         match self {
             Verdict::Accepted(verified) => return Some(verified),
@@ -97,10 +100,10 @@ impl Verdict {
     }
 }
 
-/// Checks a schedule against its program: the claims, which were derived from the files of `sources`, and the files themselves for
-/// the texts of its steps.
+/// Checks a schedule against its program: against the claims, which were derived from the files of `sources`, and
+/// against the files themselves for the texts of its steps.
 ///
-/// Claims of the checker can always be judged; [`Verdict::Inconclusive`] results only from claims from elsewhere.
+/// Claims of the checker can always be judged; [`Verdict::Inconclusive`] results only from claims of another origin.
 pub fn verify_program(schedule: Schedule, claims: &Claims, sources: &Sources) -> Verdict {
     let tally = Rc::new(Tally::default());
     let found =
@@ -115,7 +118,7 @@ fn verdict(found: Result<Vec<Violation>, Unfit>, schedule: Schedule, claims: &Cl
             Verdict::Accepted(Verified { held: Box::new((schedule, claims.clone(), tally.evidence())) })
         }
         Ok(violations) => {
-            // What breaks a rule was counted before.
+            // A rule that is broken must have been counted as checked before.
             #[cfg(test)]
             violations.iter().for_each(|violation| assert!(tally.times(violation.rule) > 0, "{violation:?}"));
             Verdict::Rejected(violations)
@@ -139,15 +142,16 @@ fn with_source_map(
     findings.sorted()
 }
 
-/// Violations of the claims of another program than the schedule's own; texts of steps are not compared.
+/// Violations of the claims of a program other than the schedule's own; texts of steps are not compared.
 ///
 /// # Errors
-/// Why no schedule can be checked against the claims.
+/// The reason why no schedule can be checked against the claims.
 pub fn violations(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, String> {
     judge(schedule, claims, &Rc::default()).map_err(|Unfit(why)| why)
 }
 
-/// Whether the parts of a schedule fit together and to its claims, whatever else it breaks: its indices, numbers, channels, runs and steps.
+/// Whether a schedule's indices, numbers, channels, runs and steps are consistent with one another and with its
+/// claims; other rules are not checked.
 pub fn is_whole(schedule: &Schedule, claims: &Claims) -> bool {
     let mut findings = Findings::default();
     if premise::check(claims).is_err() {
@@ -167,12 +171,12 @@ fn verify(schedule: Schedule, claims: &Claims) -> Verdict {
     verdict(judge(&schedule, claims, &tally), schedule, claims, &tally)
 }
 
-/// The diagnostic for claims against which no schedule can be checked.
+/// Diagnostic for claims against which no schedule can be checked.
 pub fn inconclusive(why: &str) -> Diagnostic {
     Diagnostic::new(Code::E0740, format!("the claims cannot be judged by: {why}"))
 }
 
-/// Why claims cannot be judged by.
+/// Why no schedule can be checked against the claims.
 #[derive(Debug)]
 struct Unfit(String);
 
@@ -199,11 +203,11 @@ impl From<Violation> for Halt {
 /// Result of the replay of a run.
 #[derive(Debug)]
 struct Replay<'a> {
-    /// At the beginning and after every change. Borrowed from the record where the two are equal.
+    /// States at the beginning and after every change. Borrowed from the record where the two are equal.
     states: Vec<Cow<'a, TimedState>>,
-    /// Every outcome that the kind knows, in SI units.
+    /// Every outcome of the kind's vocabulary, by name, in SI units.
     outcomes: BTreeMap<&'static str, f64>,
-    /// Of each step in which several take place at the same time, in the order of the program.
+    /// Concurrent operations, by index of the step in the run, in the order of the program.
     operations: BTreeMap<usize, Vec<JudgedOperation>>,
 }
 
@@ -211,12 +215,12 @@ struct Replay<'a> {
 #[derive(Debug)]
 struct JudgedOperation {
     parts: Vec<String>,
-    /// When the first of its parts is free for it, when all are where it takes place, and when it is done.
+    /// When the first of its parts is free for it, when all parts have arrived, and when it is done.
     times_ns: [u64; 3],
     span: Span,
 }
 
-/// Terms of a plan's record, from the claims.
+/// Required terms of a plan's record, from the claims.
 struct RecordTerms {
     planner: &'static str,
     objective: &'static str,
@@ -228,45 +232,45 @@ struct RecordTerms {
     scale: f64,
 }
 
-/// Where each device stands.
+/// Present state of each device, by its name.
 type Standing<'a> = BTreeMap<&'a str, State>;
 
-/// What a kind brings to this stage, on its orders.
+/// Verification of one kind of device; implemented by its orders.
 trait Judge {
-    /// What the numbers of a channel are; `None` if the device has no channel of that name.
+    /// Unit of a channel's values; `None` if the device has no channel of that name.
     fn unit(&self, channel: &str) -> Option<ChannelUnit>;
 
-    /// Whether its channels may swing between two values.
+    /// Whether its channels may swing between two values (a square wave).
     fn swings(&self) -> bool {
         false
     }
 
-    /// Asks what the replay takes for granted of the claims.
+    /// Checks what the replay assumes of the claims.
     fn premise(&self) -> Result<(), Unfit>;
 
-    /// Whether another order of the device holds the same facts about it.
+    /// Whether another order of the same device states the same facts about it.
     fn has_facts_of(&self, other: &Order) -> bool;
 
-    /// Whether another order of the device knows the same parts on it, from one run to the next.
+    /// Whether another order of the same device has the same parts, from one run to the next.
     fn has_parts_of(&self, _other: &Order) -> bool {
         true
     }
 
-    /// The forces on what is held in a state, if the kind holds anything by forces; see [`forces`].
+    /// Forces on the parts that are held in a state, if the kind holds parts by forces; see [`forces`].
     fn forces(&self, _state: &State) -> Option<Vec<Option<[f64; 3]>>> {
         None
     }
 
-    /// What the claims say of a plan's record.
+    /// Required terms of a plan's record.
     fn terms(&self) -> RecordTerms;
 
-    /// What `minimize` takes to bring an outcome down, if anything.
+    /// Objective for `minimize` that lowers an outcome, if there is one.
     fn minimized_as(&self, outcome: &str) -> Option<&'static str>;
 
-    /// Holds a run against the order. Afterwards `standing` has where the device is.
+    /// Replays a run and checks it against its order. Afterwards `standing` has the device's last state.
     ///
     /// # Errors
-    /// At the first thing that leaves it unknown what comes after.
+    /// At the first violation after which the device's state is unknown.
     fn replay<'a>(
         &self,
         run: &JudgedRun<'a>,
@@ -275,13 +279,13 @@ trait Judge {
         findings: &mut Findings,
     ) -> Result<Replay<'a>, Halt>;
 
-    /// Holds the program's devices of the kind against one another; asked once. `order` are the runs in the order in which devices
-    /// meet them.
+    /// Checks the program's devices of the kind against one another; called once per kind. `order` has the indices of
+    /// the runs, those of one device in the order in which it executes them.
     fn beside(&self, _runs: &[JudgedRun], _order: &[usize], _claims: &Claims, _findings: &mut Findings) {}
 }
 
-/// The force of each finger on the part that they hold in a state, along the axes of the device and in micronewtons; `None` for a finger that
-/// is free, or at all where nothing is held or no forces balance.
+/// Force of each finger on the part that the fingers hold in a state, along the axes of the device, in micronewtons.
+/// `None` for a finger that is free; `None` as a whole where nothing is held or no forces balance.
 pub fn forces(order: &Order, state: &State) -> Option<Vec<Option<[f64; 3]>>> {
     judge_of(order).forces(state)
 }
@@ -291,9 +295,9 @@ fn judge_of(order: &Order) -> &dyn Judge {
     each_kind!(Order, order, order => order)
 }
 
-/// What a kind brings to this stage, on its states.
+/// Comparison and display of one kind's states.
 trait JudgedState {
-    /// Whether a replayed state is this recorded one, but for rounding.
+    /// Whether a replayed state equals this recorded one, up to rounding.
     fn agrees(&self, replayed: &State) -> bool;
 
     /// The state in words.

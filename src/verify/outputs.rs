@@ -1,7 +1,8 @@
-//! Auxiliary outputs: where the steps of the program have them, and at rest at all other times.
+//! Auxiliary outputs: at the values that the program's steps set, and at rest at all other times.
 //!
-//! Each output is replayed by itself: the edges that its steps make, put in order of time, are walked from rest to rest, and every stretch
-//! in which it is elsewhere must be in the schedule, at its voltage and by the step that began it; nothing else may be there.
+//! Each output is replayed alone: the events of its steps are sorted by time and give the stretches in which the
+//! output is not at rest. Every stretch must be in the schedule, at its voltage and by the step that began it, and
+//! nothing else may be.
 
 use super::clock::JudgedRun;
 use super::form::is_auxiliary;
@@ -12,7 +13,7 @@ use crate::device::instrument::AuxiliaryOutput;
 use crate::schedule::{Actuation, Schedule};
 use std::collections::BTreeMap;
 
-/// A stretch in which an output is not at rest, with its voltage and the step that makes it so.
+/// A stretch of time in which an output is not at rest, with its voltage and the step that set it.
 #[derive(PartialEq)]
 struct Stretch {
     start_ns: u64,
@@ -21,7 +22,7 @@ struct Stretch {
     step: usize,
 }
 
-/// Holds every auxiliary output against the steps of the program.
+/// Checks every auxiliary output against the steps of the program.
 pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, findings: &mut Findings) {
     let mut due: BTreeMap<&str, Vec<(u64, usize, AuxiliaryAction)>> = BTreeMap::new();
     for run in runs {
@@ -69,7 +70,7 @@ pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, fi
     }
 }
 
-/// When an output is not at rest, from its events in order of time.
+/// The stretches in which an output is not at rest, from its (time, step, action) events in order of time.
 fn stretches(events: &[(u64, usize, AuxiliaryAction)], output: &AuxiliaryOutput, end_ns: u64) -> Vec<Stretch> {
     let mut found = Vec::new();
     for (nth, (start_ns, step, action)) in events.iter().enumerate() {

@@ -1,7 +1,7 @@
-//! Whether the claims are such that a schedule can be checked against them at all.
+//! Checks that a schedule can be checked against the claims at all.
 //!
-//! Input: claims. Output: nothing, or why not. Claims of the checker always pass; those of a hostile log may not,
-//! and the rules rely on these checks.
+//! Input: claims. Output: nothing, or the reason why not. Claims of the checker always pass; those of a hostile log
+//! may not, and the rules rely on these checks.
 
 use super::{Unfit, judge_of};
 use crate::claims::auxiliary::AuxiliaryAction;
@@ -10,7 +10,7 @@ use crate::device::Frames;
 use crate::geometry::shape::{MAX_EXTENT_UM, Pose};
 use std::collections::BTreeMap;
 
-/// Greatest nesting of a timeline.
+/// Greatest depth of a timeline.
 const MAX_DEPTH: usize = 256;
 
 /// Checks the assumptions of all rules.
@@ -39,7 +39,8 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
     Ok(())
 }
 
-/// Waits are at steps of the job, each at one of its own, and no least time is asked of a run that may be shorter.
+/// Waits for inputs are at steps of the job, at most one per step, and no job with waits has a lower limit on its
+/// time, since its run may be shorter.
 fn holds(job: &Job) -> Result<(), Unfit> {
     let unfit = |why: &str| Err(Unfit(format!("the claims have `{}` wait {why}", job.task)));
     if job.holds.iter().any(|hold| hold.step >= job.steps() || hold.terms.duration_ns == 0) {
@@ -53,7 +54,7 @@ fn holds(job: &Job) -> Result<(), Unfit> {
     if asks && !job.holds.is_empty() { unfit("and limit its time from below") } else { Ok(()) }
 }
 
-/// The steps that switch outputs are steps of the job, and each output can do what they say.
+/// The steps that switch outputs are steps of the job, and each output supports its action.
 fn outputs(job: &Job, claims: &Claims) -> Result<(), Unfit> {
     for event in &job.events {
         let unfit = |why: &str| Err(Unfit(format!("the claims switch the output `{}` {why}", event.output)));
@@ -78,12 +79,12 @@ fn outputs(job: &Job, claims: &Claims) -> Result<(), Unfit> {
     Ok(())
 }
 
-/// Whether numbers can be the place of a frame.
+/// Whether a frame's numbers are finite and in range.
 pub(super) fn is_frame(frame: &Pose) -> bool {
     [frame.x_um, frame.y_um, frame.heading_rad].iter().all(|value| value.abs() <= MAX_EXTENT_UM)
 }
 
-/// A shared scene places robots of the program, each where all its orders have it.
+/// A shared scene places robots of the program, each where all its orders place it.
 fn shared(scene: &SharedScene, claims: &Claims) -> Result<(), Unfit> {
     for (device, frame) in &scene.frames {
         let unfit = |why: &str| Err(Unfit(format!("the claims' scene `{}` places `{device}` {why}", scene.scene)));

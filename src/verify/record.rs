@@ -1,7 +1,7 @@
 //! Third round: the plan's own record, and the task's requirements on the outcome.
 //!
-//! Input: a run and its replay. Figures agree when they differ by no more than [`TOLERANCE`], since the planner may add up in
-//! another order; counts and times then agree exactly, being far from that limit.
+//! Input: a run and its replay. Figures agree if they differ by no more than [`TOLERANCE`], since the planner may sum
+//! in another order. Counts and times then agree exactly, because they are far from that limit.
 
 use super::clock::JudgedRun;
 use super::rule::{Findings, Rule, Violation, ms};
@@ -13,10 +13,10 @@ use crate::schedule::reached::reached;
 use crate::schedule::{Reached, ScheduledOperation, TimedState};
 use std::borrow::Cow;
 
-/// Share of the larger one by which two figures may differ.
+/// Relative difference up to which two figures agree, as a fraction of the larger one.
 pub(super) const TOLERANCE: f64 = 1e-9;
 
-/// Rounding of a whole number that was computed in fractions, relative to it.
+/// Relative rounding error of a whole number that was computed in fractions.
 const WHOLE_ROUNDING: f64 = 4e-15;
 
 pub(super) fn check(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
@@ -68,7 +68,7 @@ fn cost(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     }
 }
 
-/// An estimated cost is a share.
+/// An estimated cost is a fraction from 0 to 1.
 fn estimate(run: &JudgedRun, findings: &mut Findings) {
     let cost = run.plan.cost;
     if !(0.0..=1.0).contains(&cost) {
@@ -95,7 +95,7 @@ fn bound(run: &JudgedRun, findings: &mut Findings) {
     findings.push(figure(run, title));
 }
 
-/// Bounds on outcomes that were not minimised lie on or below these outcomes.
+/// Lower bounds on outcomes that were not minimised do not exceed these outcomes.
 fn other_bounds(run: &JudgedRun, findings: &mut Findings) {
     for (name, bound) in &run.plan.bounds {
         let title = match run.plan.outcomes.get(name) {
@@ -110,7 +110,7 @@ fn other_bounds(run: &JudgedRun, findings: &mut Findings) {
     }
 }
 
-/// Two numbers that differ, so that they look different.
+/// Two different numbers as text, with all their digits if fewer would look the same.
 fn apart(one: f64, other: f64) -> (String, String) {
     let (short_one, short_other) = (digits(one), digits(other));
     if short_one == short_other { (one.to_string(), other.to_string()) } else { (short_one, short_other) }
@@ -135,10 +135,11 @@ fn outcomes(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     }
 }
 
-/// Tolerance between a recorded number of what a step reaches and the replay's: micrometres, degrees, or a quaternion's.
+/// Tolerance between a recorded and a replayed number of a reached goal: in micrometres, degrees, or components of a
+/// quaternion.
 const REACHED_TOLERANCE: f64 = 5e-3;
 
-/// The recorded result of a step, if there is one, is its result in the replay.
+/// The recorded result of a step, if there is one, equals the replayed one.
 fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     for nth in 0..run.steps.len() {
         let step = run.step(nth);
@@ -166,7 +167,7 @@ fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     }
 }
 
-/// The recorded operations of a step, if there are any, are those of the replay.
+/// The recorded operations of a step, if there are any, equal the replayed ones.
 fn operations(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     for nth in 0..run.steps.len() {
         let step = run.step(nth);
@@ -194,7 +195,7 @@ fn operations(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     }
 }
 
-/// The first state of the record that is not the replayed one.
+/// The violation at the first recorded state that differs from the replayed one.
 pub(super) fn difference(run: &JudgedRun, replayed: &[Cow<TimedState>]) -> Option<Violation> {
     let recorded = &run.plan.states;
     let differs = |(one, other): (&TimedState, &Cow<TimedState>)| !agrees(one, other);
@@ -227,7 +228,7 @@ pub(super) fn difference(run: &JudgedRun, replayed: &[Cow<TimedState>]) -> Optio
     Some(violation.label(run.job.run_span, "this run"))
 }
 
-/// The record has too few states, or too many.
+/// The violation of a record with too few or too many states.
 pub(super) fn miscounted(run: &JudgedRun, replayed: u64) -> Violation {
     let recorded = run.plan.states.len();
     let title =
@@ -235,7 +236,7 @@ pub(super) fn miscounted(run: &JudgedRun, replayed: u64) -> Violation {
     Violation::new(Rule::State, run.end_ns(), title).label(run.job.run_span, "this run")
 }
 
-/// Whether a recorded state is the replayed one, but for rounding.
+/// Whether a recorded state equals the replayed one, up to rounding.
 pub(super) fn agrees(recorded: &TimedState, replayed: &TimedState) -> bool {
     recorded.t_ns == replayed.t_ns && judged_state(&recorded.state).agrees(&replayed.state)
 }
@@ -253,7 +254,8 @@ fn requirements(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     }
 }
 
-/// Whether a figure in the unit of the record is that of the replay, in SI. Counts and nanoseconds are whole numbers, written as they are.
+/// Whether a figure in the unit of the record equals that of the replay, in SI units. Counts and nanoseconds are whole
+/// numbers and are compared exactly.
 fn is_recorded(recorded: f64, replayed: f64, unit: OutcomeUnit) -> bool {
     match unit {
         OutcomeUnit::Count => recorded == replayed,
@@ -262,7 +264,8 @@ fn is_recorded(recorded: f64, replayed: f64, unit: OutcomeUnit) -> bool {
     }
 }
 
-/// Counts, and times in nanoseconds, are whole numbers: a limit on them has no tolerance but for the rounding of its own arithmetic.
+/// Whether a value meets a requirement. Counts, and times in nanoseconds, are whole numbers: a limit on them has no
+/// tolerance beyond the rounding of its own arithmetic.
 fn holds(value: f64, Requirement { relation, limit, .. }: &Requirement, unit: OutcomeUnit) -> bool {
     let equal = match unit {
         OutcomeUnit::Count => value == nearest_whole(*limit),
@@ -278,7 +281,7 @@ fn holds(value: f64, Requirement { relation, limit, .. }: &Requirement, unit: Ou
     }
 }
 
-/// The whole number that another one is, but for rounding; itself if it is none.
+/// The whole number that a number equals up to rounding; otherwise the number itself.
 fn nearest_whole(number: f64) -> f64 {
     if (number - number.round()).abs() <= WHOLE_ROUNDING * number.abs() { number.round() } else { number }
 }

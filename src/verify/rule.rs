@@ -10,18 +10,18 @@ use std::rc::Rc;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
     pub rule: Rule,
-    /// When it happens, from the schedule's beginning.
+    /// When it happens, in nanoseconds from the schedule's beginning.
     pub time_ns: u64,
     pub title: String,
-    /// Index of the schedule's steps.
+    /// Index into the schedule's steps.
     pub step: Option<u32>,
-    /// Places in the source that the claims know; without them where the claims were read without spans.
+    /// Places in the source, from the claims; empty where the claims were read without spans.
     pub labels: Vec<Label>,
-    /// The fix, where it is in the user's hands.
+    /// The fix, if the user can make one.
     pub help: Option<String>,
 }
 
-/// Closing note where the program is not to blame.
+/// Help of a violation that the program cannot have caused.
 const NOT_THE_PROGRAM: &str = "a schedule fresh from `tweeze build` never breaks this rule, so report it as a bug with the \
      program; a log that breaks it was edited, or made for another device";
 
@@ -36,7 +36,7 @@ impl Violation {
         self
     }
 
-    /// Adds a place, if it is known.
+    /// Adds a label, unless its place is unknown.
     #[must_use]
     pub(super) fn label(mut self, span: Span, text: impl Into<String>) -> Self {
         if span != Span::default() {
@@ -62,7 +62,7 @@ impl From<Violation> for Diagnostic {
     }
 }
 
-/// Greatest number of violations that are kept: one is enough to refuse, and a hostile log could have millions.
+/// Greatest number of violations that are kept: one is enough to reject, and a hostile log could have millions.
 pub const MAX_VIOLATIONS: usize = 100;
 
 /// Collects violations, the first [`MAX_VIOLATIONS`] of them.
@@ -73,17 +73,17 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// Counts with others.
+    /// Findings that count their checks in a shared tally.
     pub fn counting(tally: &Rc<Tally>) -> Findings {
         Findings { list: Vec::new(), tally: tally.clone() }
     }
 
-    /// A rule is asked of a number of things, before any of them can break it.
+    /// Counts checks of a rule; to be called before any of them can fail.
     pub fn asked(&self, rule: Rule, times: usize) {
         self.tally.asked(rule, times);
     }
 
-    /// What was looked at so far.
+    /// Counts of the checks so far.
     pub fn tally(&self) -> &Rc<Tally> {
         &self.tally
     }
@@ -102,7 +102,7 @@ impl Findings {
         self.list.is_empty()
     }
 
-    /// By time, then rule, then the order of finding.
+    /// The violations by time, then rule, then order of finding.
     pub fn sorted(mut self) -> Vec<Violation> {
         self.list.sort_by_key(|violation| (violation.time_ns, violation.rule));
         self.list

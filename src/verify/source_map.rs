@@ -1,14 +1,15 @@
-//! The steps of a schedule record their place and text in the program: both are compared with the source.
+//! The source map: each step of a schedule records its place and text in the program, and both are compared with the
+//! source.
 //!
-//! Input: a schedule that the other rules found nothing in, and the files that its claims were derived from, whose spans the claims
-//! contain. A viewer's `/log` and every reader of `schedule.json` take these texts for the program's own.
+//! Input: a schedule in which the other rules found nothing, and the files from which its claims, and their spans,
+//! were derived. A viewer's `/log` and every reader of `schedule.json` take these texts for the program's own.
 
 use super::rule::{Findings, Rule, Violation};
 use crate::claims::{Claims, Job};
 use crate::schedule::Schedule;
 use crate::source::{FileId, SourceFile, Sources, Span};
 
-/// A text of the program as a schedule has it.
+/// A text of the program as recorded in a schedule.
 struct RecordedText<'s> {
     step: usize,
     /// `step 2`, or `operation 3 of step 2`.
@@ -20,7 +21,7 @@ struct RecordedText<'s> {
     column: u32,
 }
 
-/// Compares the words and the place of every step, and of every operation in it, with the file.
+/// Compares the text and the place of every step, and of every operation in it, with the file.
 pub(super) fn check(schedule: &Schedule, claims: &Claims, sources: &Sources, findings: &mut Findings) {
     let mut written = texts(schedule, claims);
     written.sort_by_key(|(span, _)| *span);
@@ -41,7 +42,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, sources: &Sources, fin
     }
 }
 
-/// All texts of a schedule, with where the program has them.
+/// All texts of a schedule, each with its span in the program.
 fn texts<'s>(schedule: &'s Schedule, claims: &Claims) -> Vec<(Span, RecordedText<'s>)> {
     let mut nth = vec![0; claims.jobs.len()];
     let spans: Vec<Vec<Span>> = claims.jobs.iter().map(Job::step_spans).collect();
@@ -63,7 +64,8 @@ fn texts<'s>(schedule: &'s Schedule, claims: &Claims) -> Vec<(Span, RecordedText
     written
 }
 
-/// Counts lines and columns of spans in their order, each character of a file once: a line may be as long as the file.
+/// Line and column counter for spans in sorted order. It visits each character of a file once, since a line may be as
+/// long as the file.
 #[derive(Default)]
 struct LineCounter {
     file: Option<FileId>,
@@ -88,7 +90,7 @@ impl LineCounter {
     }
 }
 
-/// The recorded and the actual value, where they differ.
+/// Name, recorded value and actual value of each field that differs.
 fn differences(
     recorded: &RecordedText,
     file: &SourceFile,

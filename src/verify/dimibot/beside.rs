@@ -1,9 +1,10 @@
 //! Robots that share a scene: their tips never touch, at any instant of the program.
 //!
-//! A tip is a disc of its radius and its robot's repeatability. While a pulse lasts it may be anywhere in the segment that the pulse
-//! sweeps, or in the rectangle of a pulse of several modules, since modules snap at unknown instants; otherwise it is at its
-//! cell, also before the robot's first run and after its last. Both ends of a pulse belong to it, so that two pulses that meet in
-//! one instant are compared too. Cost for n pulses: n for each pair of robots.
+//! A tip is a disc whose radius is the tip radius plus the robot's repeatability. During a pulse it may be anywhere on
+//! the segment that the pulse sweeps, or in the rectangle of a pulse of several modules, since modules snap at unknown
+//! instants. Otherwise it is at its cell, also before the robot's first run and after its last. A pulse includes both
+//! its ends, so that two pulses that meet in one instant are compared too. Cost for n pulses: n for each pair of
+//! robots.
 
 use super::super::boxes::Extent;
 use super::super::clock::JudgedRun;
@@ -20,29 +21,30 @@ use crate::source::Span;
 use nalgebra::Point2;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Margin added to a tip when boxes are compared, so that rounding never hides a contact.
+/// Margin added to a tip when boxes are compared, so that rounding cannot hide a contact.
 const BOX_MARGIN_UM: f64 = 1e-6;
 
-/// Where a tip may be from one instant to another, both included.
+/// Swept area of a tip from one instant to another, both included.
 struct TipInterval {
     start_ns: u64,
     end_ns: u64,
-    /// The corners of where it may be, in the scene.
+    /// Corners of the area where the tip's centre may be, in scene coordinates.
     swept: Vec<Point2<f64>>,
-    /// Where its pulse takes it from and to, if it moves.
+    /// Start and end of its move, if it moves.
     way: Option<[Point2<f64>; 2]>,
-    /// The run, and the step of the schedule where it moves.
+    /// Index of the run, and of the schedule's step in which it moves.
     run: usize,
     step: Option<usize>,
 }
 
-/// Where the tip of a robot is, from the first instant of a schedule to the last.
+/// The intervals of a robot's tip, from the first instant of a schedule to the last.
 struct TipTrace<'a> {
     facts: &'a DimibotFacts,
     stretches: Vec<TipInterval>,
 }
 
-/// Checks the distance of every two robots that share a scene. `order` are the runs in the order in which devices meet them.
+/// Checks the distance between every two robots that share a scene. `order` has the indices of the runs, those of one
+/// device in the order in which it executes them.
 pub(super) fn tips_apart(runs: &[JudgedRun], order: &[usize], claims: &Claims, findings: &mut Findings) {
     let frames = claims.shared.iter().flat_map(|scene| &scene.frames);
     let placed: BTreeMap<&str, FrameTransform> =
@@ -78,7 +80,7 @@ fn pairs(shared: &[SharedScene]) -> BTreeSet<[&str; 2]> {
     pairs
 }
 
-/// Distance of two tips' centres at which they touch.
+/// Distance between two tips' centres at which they touch.
 fn needed_um(one: &TipTrace, other: &TipTrace) -> f64 {
     room_um(one.facts) + room_um(other.facts)
 }
@@ -113,10 +115,10 @@ fn trace<'a>(runs: &'a [JudgedRun], own: &[usize], stand: &FrameTransform) -> Op
     Some(TipTrace { facts, stretches })
 }
 
-/// Two stretches of common time, with the distance of the tips' centres in them.
+/// Two intervals that overlap in time, with the least distance between the tips' centres in them.
 type NearTips<'a> = (&'a TipInterval, &'a TipInterval, f64);
 
-/// The first two stretches in which two tips may touch.
+/// The first two intervals in which two tips may touch.
 fn first_touch<'a>(one: &'a TipTrace, other: &'a TipTrace) -> Option<NearTips<'a>> {
     let needed_um = needed_um(one, other);
     let mut touch = None;
@@ -127,7 +129,7 @@ fn first_touch<'a>(one: &'a TipTrace, other: &'a TipTrace) -> Option<NearTips<'a
     touch
 }
 
-/// How near two tips may come to each other.
+/// The least clearance between two tips.
 fn nearest(devices: [&str; 2], [one, other]: [&TipTrace; 2]) -> Option<Clearance> {
     let mut nearest: Option<NearTips> = None;
     meet(one, other, f64::INFINITY, |near| {
@@ -158,8 +160,8 @@ fn nearest(devices: [&str; 2], [one, other]: [&TipTrace; 2]) -> Option<Clearance
     })
 }
 
-/// Visits the stretches of common time in which the centres of two tips may be within a distance, that the visitor may lessen, until it
-/// gives none.
+/// Visits the pairs of intervals that overlap in time and in which the centres of two tips may be within a distance.
+/// The visitor returns the distance for the rest of the search, which may be less, or `None` to end it.
 fn meet<'a>(
     one: &'a TipTrace,
     other: &'a TipTrace,
@@ -168,7 +170,7 @@ fn meet<'a>(
 ) {
     let mut from = 0;
     for stretch in &one.stretches {
-        // Stretches are in order of time, so one that ended before this one began is over for all later ones too.
+        // Intervals are in order of time, so one that ended before this one began is also over for all later ones.
         while other.stretches.get(from).is_some_and(|beside| beside.end_ns < stretch.start_ns) {
             from += 1;
         }
@@ -209,7 +211,7 @@ fn touch(
     violation
 }
 
-/// The step in which a robot moves, or the run after or before which it stands.
+/// The step in which a robot moves, or the run before or after which it stands.
 fn span(run: &JudgedRun, step: Option<usize>) -> Span {
     let steps = DimibotOrder::of(&run.job.order).map(|order| order.steps.as_slice()).unwrap_or_default();
     let nth = step.and_then(|step| run.steps.iter().position(|index| *index == step));

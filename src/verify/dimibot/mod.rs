@@ -1,9 +1,10 @@
-//! Replays the run of a DiMiBot: pulses into module states, states into places, moves into sweeps.
+//! Replays the run of a DiMiBot: actuations become pulses, pulses module states, states positions, and moves swept
+//! areas.
 //!
-//! Input: a [`JudgedRun`] whose steps and channels are sound, and where the device stands. Output: its states and outcomes;
-//! one function per rule. A pulse is the set of actuations that begin at one instant on the device; it takes the pulse duration of the
-//! facts and then the rest, in which nothing is switched. A step of moves is pulse after pulse without idle time; it ends with its last
-//! rest.
+//! Input: a [`JudgedRun`] whose steps and channels are sound, and the device's last state. Output: its states and
+//! outcomes; one function per rule. A pulse is the set of actuations that begin at one instant on the device. It takes
+//! the device's pulse duration, followed by the rest, in which nothing is switched. A step of moves is pulse after
+//! pulse without idle time and ends with its last rest.
 
 mod beside;
 mod scene;
@@ -41,7 +42,7 @@ impl Actuator {
         bits >> self.module & 1 == 1
     }
 
-    /// The cell with the module where this actuator brings it.
+    /// The cell after this actuator has switched its module.
     fn applied(self, cell: LatticeCell) -> LatticeCell {
         let bit = 1 << self.module;
         let bits = |old: u32| match self.switch {
@@ -54,7 +55,7 @@ impl Actuator {
         }
     }
 
-    /// The cell in which its module alone is at 1.
+    /// The cell in which only its module is at 1.
     fn own_cell(self) -> LatticeCell {
         Actuator { switch: Switch::Set, ..self }.applied(LatticeCell { x: 0, y: 0 })
     }
@@ -117,7 +118,7 @@ impl Judge for DimibotOrder {
         let task = DimibotRun { run, order: self, start, pulses: pulses(run, self, start) };
         shapes(&task, findings);
         rests(&task, findings);
-        // A robot that shares its scene may have to let another pass.
+        // A robot that shares its scene may have to wait for another to pass.
         if !claims.is_shared(&run.job.device) {
             idle(&task, findings);
         }
@@ -161,7 +162,7 @@ impl JudgedState for DimibotState {
 #[derive(Debug)]
 struct PulseInstant<'a> {
     start_ns: u64,
-    /// Place of its step in the run.
+    /// Index of its step in the run.
     nth: usize,
     /// Index of its step in the schedule.
     step: usize,
@@ -173,7 +174,7 @@ struct PulseInstant<'a> {
 }
 
 impl PulseInstant<'_> {
-    /// The lowest and the highest cell to which its modules can carry the tip, in any order.
+    /// The lowest and the highest cell that the tip can reach while the modules switch, in any order.
     fn extremes(&self) -> [LatticeCell; 2] {
         let all = |switch| {
             let strokes = self.strokes.iter().filter(|stroke| stroke.switch == switch);
@@ -183,11 +184,11 @@ impl PulseInstant<'_> {
     }
 }
 
-/// A run in the kind's own terms.
+/// A run in the terms of a DiMiBot.
 struct DimibotRun<'a> {
     run: &'a JudgedRun<'a>,
     order: &'a DimibotOrder,
-    /// Where it stands at first.
+    /// Cell at the start of the run.
     start: LatticeCell,
     pulses: Vec<PulseInstant<'a>>,
 }
@@ -220,7 +221,8 @@ fn start(run: &JudgedRun, order: &DimibotOrder, standing: &Standing, findings: &
     stands
 }
 
-/// Gathers actuations into pulses, and follows the modules through them. A module that is set and reset at once stays.
+/// Groups actuations into pulses and follows the module states through them. A module that is set and reset at once
+/// keeps its state.
 fn pulses<'a>(run: &JudgedRun<'a>, order: &DimibotOrder, start: LatticeCell) -> Vec<PulseInstant<'a>> {
     let actuators = actuators(&run.job.device, &order.facts);
     let nth: BTreeMap<usize, usize> = run.steps.iter().enumerate().map(|(nth, step)| (*step, nth)).collect();
@@ -237,7 +239,7 @@ fn pulses<'a>(run: &JudgedRun<'a>, order: &DimibotOrder, start: LatticeCell) -> 
     together.map(pulse).collect()
 }
 
-/// The parts of a pulse that change their module.
+/// The actuators of a pulse that change the state of their module.
 fn strokes(cell: LatticeCell, parts: &[(&Actuation, Actuator)]) -> Vec<Actuator> {
     let moves = |actuator: &Actuator| {
         actuator.applied(cell) != cell && !parts.iter().any(|(_, other)| other.is_opposite(*actuator))
@@ -250,7 +252,7 @@ impl DimibotRun<'_> {
         &self.order.facts
     }
 
-    /// From the beginning of a pulse to the end of its rest.
+    /// Duration of a pulse with its rest.
     fn slot_ns(&self) -> u64 {
         self.facts().pulse_duration_ns + self.facts().rest_ns
     }
@@ -259,7 +261,7 @@ impl DimibotRun<'_> {
         self.pulses.last().map_or(self.start, |pulse| pulse.after)
     }
 
-    /// The cells in which the tip rests during a step, the one before its first pulse included.
+    /// The cells in which the tip rests during a step, including the one before its first pulse.
     fn rests_at(&self, nth: usize) -> Vec<LatticeCell> {
         let before = self.pulses.partition_point(|pulse| pulse.nth < nth);
         let first = self.pulses[..before].last().map_or(self.start, |pulse| pulse.after);
@@ -283,7 +285,7 @@ impl DimibotRun<'_> {
         Violation::new(rule, time_ns, title).step(self.run.steps[nth]).label(span, "this step")
     }
 
-    /// A state holds from the end of its pulse, when the module has certainly snapped.
+    /// The states over time. A state begins at the end of its pulse, when the module has certainly snapped.
     fn states(&self) -> Vec<TimedState> {
         let facts = self.facts();
         let first = TimedState { t_ns: self.run.plan.start_ns, state: state(facts, self.start) };
@@ -300,7 +302,8 @@ impl DimibotRun<'_> {
         self.pulses.iter().map(|pulse| pulse.parts.len()).sum()
     }
 
-    /// Every module that snaps carries the tip along its own axis by its own column of the matrix, in whatever order they do.
+    /// Outcomes in SI units. The distance does not depend on the order of snapping: each module that snaps moves the
+    /// tip along its own axis by its own column of the matrix.
     fn outcomes(&self) -> BTreeMap<&'static str, f64> {
         let facts = self.facts();
         let strokes = || self.pulses.iter().flat_map(|pulse| &pulse.strokes);
@@ -315,7 +318,7 @@ impl DimibotRun<'_> {
     }
 }
 
-/// Voltage and duration of every pulse are those of the device.
+/// Every pulse has the device's voltage and duration.
 fn shapes(task: &DimibotRun, findings: &mut Findings) {
     let DimibotFacts { pulse_voltage_v: volts, pulse_duration_ns, .. } = *task.facts();
     findings.asked(Rule::Pulse, task.parts());
@@ -360,8 +363,8 @@ fn rests(task: &DimibotRun, findings: &mut Findings) {
     }
 }
 
-/// A step of moves is pulse after pulse, from its beginning to its end. Not checked for robots that may need to wait for another:
-/// their idle time counts as time of the plan.
+/// A step of moves is pulse after pulse, from its beginning to its end. Not checked for robots that may have to wait
+/// for another; their idle time counts as plan time.
 fn idle(task: &DimibotRun, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {
         match claimed.action {
@@ -446,7 +449,7 @@ fn simultaneous(task: &DimibotRun, findings: &mut Findings) {
     }
 }
 
-/// The tip stands clear before the first pulse.
+/// The tip is clear of obstacles before the first pulse.
 fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     findings.asked(Rule::Sweep, 1);
     if let Some(touch) = scene.touch(task.start, task.start) {
@@ -456,7 +459,7 @@ fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Fi
     }
 }
 
-/// The path on which a single module carries the tip is clear.
+/// The path of the tip is clear where a single module snaps.
 fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     for pulse in &task.pulses {
         let [stroke] = pulse.strokes[..] else { continue };
@@ -470,7 +473,8 @@ fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) 
     }
 }
 
-/// Everywhere that modules switched at once can carry the tip, in any order and by any part of their strokes, is clear.
+/// The whole area that the tip can reach while several modules switch at once, in any order and at any part of their
+/// strokes, is clear.
 fn mixtures(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     for pulse in task.pulses.iter().filter(|pulse| pulse.strokes.len() > 1) {
         findings.asked(Rule::Mixture, 1);
@@ -483,7 +487,7 @@ fn mixtures(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings
     }
 }
 
-/// Keeps the least distance of the tip from an obstacle, and the instant at which it has it on its way.
+/// Records the least clearance of the tip from an obstacle, with its instant.
 fn clearances(task: &DimibotRun, scene: &DimibotObstacles) {
     let (facts, tally, device) = (task.facts(), &task.run.tally, &task.run.job.device);
     let still = (task.run.plan.start_ns, [task.start; 2], [task.start; 2]);
@@ -511,7 +515,8 @@ fn touched(task: &DimibotRun, violation: Violation, touch: &TipTouch) -> Violati
     violation.label(task.order.obstacles[touch.obstacle].span, "this obstacle")
 }
 
-/// Stops are reached: those of a move in their order, those of a visit in any; and the step ends at the last, or at one.
+/// Stops are reached: those of a move in their order, those of a visit in any order. A move ends at its last stop, a
+/// visit at any of its stops.
 fn goals(task: &DimibotRun, findings: &mut Findings) {
     findings.asked(Rule::Goal, task.order.steps.iter().map(|step| step.stops().len()).sum());
     for (nth, claimed) in task.order.steps.iter().enumerate() {
@@ -552,7 +557,7 @@ fn missed_of_all<'a>(stops: &'a [DimibotStop], cells: &[LatticeCell]) -> Option<
     (!ends_at_stop).then(|| (first, format!("visit ends at cell {end}, not at one of its stops")))
 }
 
-/// The cell taken for a place is the nearest one, and as near as the task demands.
+/// The cell used for a position is the nearest one, within the precision that the task demands.
 fn places(task: &DimibotRun, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {
         let stops = claimed.stops();

@@ -1,8 +1,9 @@
-//! Place of a DiMiBot's tip, and its contacts with obstacles.
+//! Position of a DiMiBot's tip, and its contacts with obstacles.
 //!
-//! Input: cells and the order's obstacles. Places come from the kinematic matrix, never from the lattice formula. Promise: a body is
-//! touched exactly if its distance from what the tip's centre sweeps is no larger than tip radius and repeatability together, up to
-//! the rounding of [`super::super::geometry`]; of lattice cells only those that the centre enters are touched.
+//! Input: cells and the order's obstacles. Positions come from the kinematic matrix, never from the lattice formula.
+//! Promise: a body is touched exactly if its distance from the area swept by the tip's centre is at most tip radius
+//! plus repeatability, up to the rounding of [`super::super::geometry`]. Lattice cells are touched only if the centre
+//! enters them.
 
 use super::super::Unfit;
 use super::super::boxes::{Extent, GroupedBoxes};
@@ -15,13 +16,13 @@ use crate::quantity::digits;
 use crate::real::Real;
 use nalgebra::{Point2, Vector2};
 
-/// Margin added to a body when boxes are compared, so that rounding never hides a contact.
+/// Margin added to a body when boxes are compared, so that rounding cannot hide a contact.
 const BOX_MARGIN_UM: f64 = 1e-6;
 
-/// Share of a length by which a place may be off its limit, for the rounding of the checker.
+/// Relative tolerance of a position at its limit, for the rounding of the checker.
 const TOLERANCE: f64 = 1e-9;
 
-/// Checks the assumptions that the replay makes about claims.
+/// Checks the replay's assumptions about claims.
 pub(super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
     let facts = &order.facts;
     let unfit = |why: &str| Err(Unfit(format!("the claims of a dimibot {why}")));
@@ -51,20 +52,20 @@ pub(super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
     Ok(())
 }
 
-/// Whether a cell needs no module but those that a robot has.
+/// Whether a cell uses only modules that the robot has.
 fn exists(facts: &DimibotFacts, cell: LatticeCell) -> bool {
     cell.x >> facts.left == 0 && cell.y >> facts.right == 0
 }
 
-/// Nominal place of the end-effector in the frame R1.
+/// Nominal position of the end-effector in the frame R1.
 pub(super) fn place(facts: &DimibotFacts, cell: LatticeCell) -> Point2<f64> {
     Point2::from(DimibotFacts::workspace_frame() * facts.displacement_um(cell))
 }
 
-/// Where a robot's frame stands in its scene, as a turn and a shift; without a frame both are none.
+/// Pose of a robot's frame in its scene, as a rotation and a translation; the identity without a frame.
 #[derive(Clone, Copy)]
 pub(super) struct FrameTransform {
-    /// Sine and cosine of the heading, and the place.
+    /// Sine and cosine of the heading, and the position.
     turn: Option<([f64; 2], [f64; 2])>,
 }
 
@@ -73,21 +74,21 @@ impl FrameTransform {
         FrameTransform { turn: frame.map(|frame| (frame.heading_rad.sine_cosine().into(), [frame.x_um, frame.y_um])) }
     }
 
-    /// The scene's coordinates of a place in the robot's frame.
+    /// Scene coordinates of a point in the robot's frame.
     pub fn in_scene(&self, own: Point2<f64>) -> Point2<f64> {
         let Some(([sin, cos], [x, y])) = self.turn else { return own };
         Point2::new(cos * own.x - sin * own.y + x, sin * own.x + cos * own.y + y)
     }
 
-    /// A direction of the scene along the axes of the robot.
+    /// A scene vector in the axes of the robot.
     fn along_own_axes(&self, way: Vector2<f64>) -> Vector2<f64> {
         let Some(([sin, cos], _)) = self.turn else { return way };
         Vector2::new(cos * way.x + sin * way.y, cos * way.y - sin * way.x)
     }
 }
 
-/// Corners of the area that the tip's centre may sweep between two cells, `low` the lower one in both axes, in order round it, in
-/// scene coordinates: a rectangle, a segment where a single module moves, or a point.
+/// Corners, in order round it, of the area that the tip's centre may sweep between two cells, in scene coordinates: a
+/// rectangle, a segment where a single module moves, or a point. `low` is the lower cell in both axes.
 pub(super) fn swept(facts: &DimibotFacts, stand: &FrameTransform, [low, high]: [LatticeCell; 2]) -> Vec<Point2<f64>> {
     let cells = match (low.x == high.x, low.y == high.y) {
         (true, true) => vec![low],
@@ -109,26 +110,26 @@ pub(super) struct DimibotObstacles<'a> {
 
 /// Obstacles that the tip touches.
 pub(super) struct TipTouch {
-    /// Index of the order's obstacles: the first one touched.
+    /// Index of the first touched obstacle among the order's obstacles.
     pub obstacle: usize,
     /// Number of further obstacles touched.
     others: usize,
-    /// Distance from the first one's own surface, never negative; `None` for cells.
+    /// Distance of the tip's centre from the first one's surface, at least 0; `None` for cells.
     gap_um: Option<f64>,
 }
 
-/// A solid near to the path of the tip.
+/// The solid nearest to the path of the tip.
 pub(super) struct NearestSolid {
-    /// Index of the order's obstacles.
+    /// Index among the order's obstacles.
     pub obstacle: usize,
-    /// Distance of the tip's centre from its surface.
+    /// Distance of the tip's centre from the surface.
     pub gap_um: f64,
     pub on_solid: Point2<f64>,
     pub centre: Point2<f64>,
 }
 
 impl TipTouch {
-    /// The end of a title.
+    /// End of a violation's title.
     pub fn describe(&self, order: &DimibotOrder) -> String {
         let name = &order.obstacles[self.obstacle].name;
         let others = match self.others {
@@ -146,10 +147,10 @@ impl TipTouch {
 }
 
 impl<'a> DimibotObstacles<'a> {
-    /// Puts the obstacles in their places.
+    /// Places the obstacles of an order.
     ///
     /// # Errors
-    /// When a shape is none.
+    /// If the shape or the pose of a solid obstacle is invalid.
     pub fn new(order: &'a DimibotOrder) -> Result<DimibotObstacles<'a>, Unfit> {
         let (mut solids, mut blocks) = (Vec::new(), Vec::new());
         for (index, obstacle) in order.obstacles.iter().enumerate() {
@@ -167,8 +168,8 @@ impl<'a> DimibotObstacles<'a> {
         Ok(DimibotObstacles { facts: &order.facts, stand, solids, solid_boxes, blocks, block_boxes })
     }
 
-    /// Obstacles touched by the tip in the rectangle between two cells, `low` the lower one in both axes; a rectangle without width
-    /// is the path of a single module, one without any extent a place.
+    /// Obstacles touched by the tip in the rectangle between two cells, `low` the lower one in both axes. A rectangle
+    /// without width is the path of a single module, one without extent a position.
     pub fn touch(&self, low: LatticeCell, high: LatticeCell) -> Option<TipTouch> {
         let solids = self.touched_solids(low, high);
         let blocks = self.touched_blocks(low, high);
@@ -178,7 +179,8 @@ impl<'a> DimibotObstacles<'a> {
         Some(TipTouch { obstacle, others, gap_um })
     }
 
-    /// The solid nearest to where the tip's centre may be between two cells, if it is nearer than a distance.
+    /// The solid nearest to the area that the tip's centre may sweep between two cells, if it is nearer than
+    /// `below_um`.
     pub fn nearest(&self, low: LatticeCell, high: LatticeCell, below_um: f64) -> Option<NearestSolid> {
         let swept = swept(self.facts, &self.stand, [low, high]);
         let area = Extent::of(&swept).widened(below_um + BOX_MARGIN_UM);
@@ -190,7 +192,7 @@ impl<'a> DimibotObstacles<'a> {
         Some(NearestSolid { obstacle, gap_um, on_solid, centre })
     }
 
-    /// Where the tip's centre is at a cell, in the scene.
+    /// Position of the tip's centre at a cell, in the scene.
     pub fn centre(&self, cell: LatticeCell) -> Point2<f64> {
         self.stand.in_scene(place(self.facts, cell))
     }
@@ -205,7 +207,7 @@ impl<'a> DimibotObstacles<'a> {
         touched.map(|(index, gap_um)| (index, Some(gap_um.max(0.0)))).collect()
     }
 
-    /// The paper's rule: a row or column of cells is touched if one of its cells is, the two ends included.
+    /// The paper's rule: a row or column of cells is touched if one of its cells is, both ends included.
     fn touched_blocks(&self, low: LatticeCell, high: LatticeCell) -> Vec<usize> {
         let area = Extent::of(&[low, high].map(lattice_point));
         let near = self.block_boxes.meeting(&area).into_iter().map(|at| &self.blocks[at]);
@@ -224,8 +226,8 @@ pub(super) fn room_um(facts: &DimibotFacts) -> f64 {
     facts.tip_radius_um + facts.repeatability_um
 }
 
-/// Why a cell is not the right one for a place, if it is not: the place is more than half a pitch off along an axis, or
-/// farther than the precision.
+/// The reason why a cell is wrong for a position, if it is: the position is more than half a pitch away along an axis,
+/// or farther than the precision.
 pub(super) fn misplaced(order: &DimibotOrder, stop: &DimibotStop) -> Option<String> {
     let Asked::Place([x_um, y_um]) = stop.asked else { return None };
     let (facts, cell) = (&order.facts, stop.cell);

@@ -1,10 +1,12 @@
-//! Operations of the parts in one assay, and their progress.
+//! Progress of the operations in an assay.
 //!
-//! A part does its operations in their order, each as soon as it can: it has come by a stop by being there, has stayed where it has been
-//! for all beats in question, and has merged with another once both are there and have done all that comes before. What leaves the
-//! board is gone as soon as it is there; what is dispensed stays at the outlet from the beat on in which it comes. A droplet is mixed
-//! while it goes round its loop anticlockwise, one cell in every beat, from the corner to the corner; it is split in the beat in
-//! which the electrodes on both sides of it pull. What comes after other operations begins once those are done.
+//! A part performs its operations in order; each counts as done at the first beat at which it can. The part has passed
+//! a stop once it is there; it has completed a stay once it has not left its cell for all beats of the stay; it has
+//! merged with another once both are there and have completed everything before. A part that leaves the board is gone
+//! as soon as it is at its exit; a droplet that is dispensed stays at the outlet from the beat in which it appears. A
+//! droplet is mixed while it goes anticlockwise round its loop, one cell per beat, from the corner to the corner. It
+//! is split in the beat in which the electrodes on both sides of it pull. An operation that comes after others begins
+//! once those are done.
 
 use super::mixing::{Loop, Mixing};
 use super::stage::Meetings;
@@ -12,44 +14,44 @@ use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a part is to do next.
+/// A part's next task: a stop, with its work there.
 #[derive(Debug)]
 struct DueStop<'o> {
     cell: ElectrodeCell,
-    /// Where the program names it.
+    /// The stop in the program, if it has one.
     stop: Option<&'o ElectrodeArrayStop>,
     beats: u64,
     with: Option<usize>,
     operation: &'o AssayOperation,
-    /// The place of the operation in the assay, where this is its last stop.
+    /// Index of the operation in the assay, if this is its last stop.
     ends: Option<usize>,
     work: DueWork,
 }
 
-/// What a part does at a stop.
+/// The work of a part at a stop.
 #[derive(Debug, Clone, Copy)]
 enum DueWork {
-    /// It stays, or merges.
+    /// Stays, or merges.
     Rest,
     Mix(Loop),
-    /// It comes here as the other half goes the other way.
+    /// Comes here as the other half goes to the opposite side.
     Split,
 }
 
-/// A droplet that is pulled apart in a beat.
+/// A droplet that is split in a beat.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JudgedSplit {
     pub part: usize,
     pub at: ElectrodeCell,
-    /// Where it goes.
+    /// Cell where it goes.
     pub to: ElectrodeCell,
-    /// The droplet that comes out of it, and where that goes.
+    /// The new droplet, and the cell where that goes.
     pub half: usize,
     pub comes: ElectrodeCell,
 }
 
-/// When an operation took place: the beats after which the first of its parts was free for it, all were where it takes place, and it
-/// was done.
+/// Times of an operation, in beats: when the first of its parts was free for it, when all were where it takes place,
+/// and when it was done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct OperationBeats {
     pub free: u64,
@@ -57,20 +59,20 @@ pub(super) struct OperationBeats {
     pub done: u64,
 }
 
-/// The course of one part.
+/// Progress of one part.
 #[derive(Debug)]
 struct PartTurn<'o> {
     due: Vec<DueStop<'o>>,
     done: usize,
-    /// The beat from which on it has been at its next stop.
+    /// The beat since which it has been at its next stop.
     since: Option<u64>,
-    /// The beats, from 1, after which it last moved, last did something, and had done its last operation.
+    /// The beats, from 1, of its last move, of its last act, and of the end of its last operation.
     moved: u64,
     acted: u64,
     free: u64,
-    /// Its way round the loop.
+    /// Its progress round the loop.
     mixing: Mixing,
-    /// Whether it has left an outlet before it was dispensed, or was on the board before that.
+    /// Whether it left an outlet before it was dispensed, or was on the board before that.
     is_spoilt: bool,
 }
 
@@ -91,10 +93,10 @@ pub(super) struct MissedOperation<'o> {
     pub operation: &'o AssayOperation,
     pub stop: Option<&'o ElectrodeArrayStop>,
     pub cell: ElectrodeCell,
-    /// The beats for which it stays there.
+    /// The beats that it must stay there.
     pub beats: u64,
     pub with: Option<usize>,
-    /// Whether it is the split that is missed.
+    /// Whether it is the split itself that is missed.
     pub is_split: bool,
 }
 
@@ -103,16 +105,16 @@ pub(super) struct MissedOperation<'o> {
 pub(super) struct JudgedAssay<'o> {
     pub meetings: Meetings,
     turns: BTreeMap<usize, PartTurn<'o>>,
-    /// Where droplets come.
+    /// Outlets at which droplets are dispensed.
     outlets: BTreeSet<ElectrodeCell>,
-    /// For each operation, once it is done.
+    /// Times of each operation, by its index; `None` until it is done.
     pub beats: Vec<Option<OperationBeats>>,
-    /// Where the parts without an operation stood that have moved, and when they did so last.
+    /// Original cells of the parts without an operation that have moved, and the beat of their last move.
     pub homes: BTreeMap<usize, (ElectrodeCell, u64)>,
 }
 
 impl<'o> JudgedAssay<'o> {
-    /// Before the first beat.
+    /// The assay before its first beat.
     pub fn new(
         operations: &'o [AssayOperation],
         facts: &ElectrodeArrayFacts,
@@ -170,7 +172,7 @@ impl<'o> JudgedAssay<'o> {
         JudgedAssay { meetings, turns, outlets, beats: vec![None; operations.len()], homes: BTreeMap::new() }
     }
 
-    /// The parts that are next to be dispensed out of those outlets that are open, by the cell of the outlet.
+    /// The parts that are due to be dispensed at open outlets, by the cell of the outlet.
     pub fn due_from_outlets(
         &self,
         cells: &[Option<ElectrodeCell>],
@@ -189,12 +191,12 @@ impl<'o> JudgedAssay<'o> {
         due
     }
 
-    /// Notes that a part comes in the beat after some.
+    /// Notes that a part is dispensed in the beat after `beats` beats.
     pub fn come(&mut self, part: usize, beats: u64) {
         self.turns.entry(part).and_modify(|turn| (turn.since, turn.free) = (Some(beats), beats));
     }
 
-    /// The droplets that are next to be split and are where that takes place.
+    /// The droplets that are due to split and are at their cell of splitting.
     pub fn due_to_split(&self, cells: &[Option<ElectrodeCell>]) -> Vec<JudgedSplit> {
         let due = |(part, turn): (usize, &PartTurn)| {
             let next = turn.next().filter(|next| matches!(next.work, DueWork::Split) && self.begins(next).is_some())?;
@@ -227,13 +229,14 @@ impl<'o> JudgedAssay<'o> {
         }
     }
 
-    /// The turns of the parts that are on the board. Nothing is done by others.
+    /// Progress of the parts that are on the board; only these can act.
     fn there(&self, cells: &[Option<ElectrodeCell>]) -> impl Iterator<Item = (usize, &PartTurn<'o>)> {
         let there = cells.iter().enumerate().filter(|(_, cell)| cell.is_some());
         there.filter_map(|(part, _)| Some((part, self.turns.get(&part)?)))
     }
 
-    /// What is done after some beats, with the parts at these cells; those that have merged are taken from them.
+    /// Completes everything that is done after `beat` beats, with the parts at these cells. Parts that have merged or
+    /// left are removed from `cells`.
     pub fn settle(&mut self, beat: u64, cells: &mut [Option<ElectrodeCell>]) {
         let parts: Vec<usize> = self.there(cells).map(|(part, _)| part).collect();
         let done = |assay: &JudgedAssay| -> usize {
@@ -256,14 +259,14 @@ impl<'o> JudgedAssay<'o> {
         self.meetings.pairs = pairs;
     }
 
-    /// The beat after which all that an operation comes after was done; `None` while it is not.
+    /// The beat after which all operations before this one were done; `None` until they are.
     fn begins(&self, due: &DueStop) -> Option<u64> {
-        // Stops on the way wait for nothing.
+        // Intermediate stops wait for nothing.
         let before = due.operation.after.iter().filter(|_| due.ends.is_some());
         before.map(|earlier| Some((*self.beats.get(*earlier)?)?.done)).try_fold(0, |last, done| Some(last.max(done?)))
     }
 
-    /// Whether the next thing that a part does is this same merge.
+    /// Whether the next task of a part is this same merge.
     fn is_next(&self, part: usize, due: &DueStop) -> bool {
         let next = self.turns.get(&part).and_then(PartTurn::next);
         next.is_some_and(|next| std::ptr::eq(next.operation, due.operation) && next.with.is_some())
@@ -316,7 +319,7 @@ impl<'o> JudgedAssay<'o> {
         }
     }
 
-    /// As [`Self::settle_one`], of a part that is next to be mixed.
+    /// As [`Self::settle_one`], for a part that is due to be mixed.
     fn mix(&mut self, part: usize, around: Loop, begins: u64, beat: u64, cell: Option<ElectrodeCell>) {
         let Some(turn) = self.turns.get_mut(&part) else { return };
         let acted = turn.acted.max(begins);
@@ -335,12 +338,12 @@ impl<'o> JudgedAssay<'o> {
         }
     }
 
-    /// The operations that have begun more beats than they may after the last of those that the program names, each with that last end
-    /// and its beginning.
+    /// The operations that began too many beats after the operations of their `within`, each with the end of the last
+    /// of those and its own beginning, in beats.
     pub fn late(&self, operations: &'o [AssayOperation], beat_ns: u64) -> Vec<(&'o AssayOperation, [u64; 2])> {
         let begun = |(operation, beats): (&AssayOperation, &Option<OperationBeats>)| {
             let beats = (*beats)?;
-            // A split begins with the beat in which it is pulled apart.
+            // A split begins with the beat in which the droplet is pulled apart.
             Some(if operation.splits.is_some() { beats.done.saturating_sub(1) } else { beats.arrival })
         };
         let late = |(operation, beats): (&'o AssayOperation, &Option<OperationBeats>)| {
@@ -353,24 +356,24 @@ impl<'o> JudgedAssay<'o> {
         operations.iter().zip(&self.beats).filter_map(late).collect()
     }
 
-    /// The beats until each part's last arrival, added up.
+    /// Sum over the parts of the beats until their last arrival.
     pub fn cost(&self) -> u64 {
         let moved = self.turns.values().map(|turn| turn.moved).chain(self.homes.values().map(|(_, beat)| *beat));
         moved.fold(0, u64::saturating_add)
     }
 
-    /// The beats until the last operation was done, and the last part had come home.
+    /// The beats until the last operation was done and the last part had returned home.
     pub fn end(&self) -> u64 {
         let turns = self.turns.values().map(|turn| turn.acted.max(turn.moved));
         turns.chain(self.homes.values().map(|(_, beat)| *beat)).max().unwrap_or(0)
     }
 
-    /// For each part the first operation that was not done, or its last stop where it is somewhere else.
+    /// For each part the first operation that was not done, or its last stop if it ends elsewhere.
     pub fn missed(&self, cells: &[Option<ElectrodeCell>]) -> Vec<MissedOperation<'o>> {
         let missed = |(part, turn): (&usize, &PartTurn<'o>)| {
             let strays = || turn.due.last().filter(|last| cells[*part].is_some_and(|cell| cell != last.cell));
             let due = turn.next().or_else(strays)?;
-            // Of those that a split makes, the one that is split is missed.
+            // Of the two parts of a split, the one that should be split is reported.
             if due.operation.splits.is_some_and(|half| half.part == *part) && cells[*part].is_none() {
                 return None;
             }

@@ -1,6 +1,7 @@
-//! The rules of one beat: motion of each part by the electrodes that are on, and clearances between parts and obstacles.
+//! Rules of one beat: motion of each part by the electrodes that are on, and clearances between parts and obstacles.
 //!
-//! Every rule is checked on the whole board; the first violation is returned, that of the first part in the order of the scene.
+//! Every rule is checked on the whole board; the violation that is returned is that of the first part in the order of
+//! the scene.
 
 use super::JudgedBoard;
 use super::assay::JudgedSplit;
@@ -18,19 +19,19 @@ const SHOWN: usize = 4;
 
 /// A beat of a step.
 pub(super) struct StepBeat<'m> {
-    /// Place of the step in the run.
+    /// Index of the step in the run.
     pub nth: usize,
     pub at_ns: u64,
     pub stage: &'m Meetings,
     pub on: &'m FxHashSet<ElectrodeCell>,
-    /// The droplets that are pulled apart in it, both of which are there at its start.
+    /// The droplets that are split in it; both halves are on the board at its start.
     pub splits: &'m [JudgedSplit],
-    /// Parts in the making whose electrode their reservoir has off.
+    /// Parts that are being dispensed and whose electrode their reservoir switches off.
     pub unheld: &'m [usize],
 }
 
 impl StepBeat<'_> {
-    /// Where a droplet goes that is pulled apart, with what comes out of it and where that goes; or the other way round.
+    /// For either half of a split droplet, its destination and the other half.
     fn split(&self, part: usize) -> Option<(ElectrodeCell, usize)> {
         self.splits.iter().find_map(|split| match part {
             part if part == split.part => Some((split.to, split.half)),
@@ -53,7 +54,7 @@ impl JudgedBoard<'_, '_> {
         &self.order.parts[part].name
     }
 
-    /// Where every part goes, with the rules on electrodes kept.
+    /// Motion of every part, or the first violation of the rules on electrodes.
     pub(super) fn pulled(&self, moment: &StepBeat) -> Result<Pulls, Violation> {
         let tally = &self.run.tally;
         tally.asked(Rule::Pull, self.cells.iter().flatten().count());
@@ -67,7 +68,7 @@ impl JudgedBoard<'_, '_> {
         Ok(pulls)
     }
 
-    /// Every part is pulled to one place.
+    /// Every part is pulled to a single cell.
     fn pulls(&self, moment: &StepBeat) -> Result<Pulls, Violation> {
         let electrodes = self.order.facts.layout.electrodes;
         let here = self.cells.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?)));
@@ -88,7 +89,7 @@ impl JudgedBoard<'_, '_> {
         here.map(pull).collect()
     }
 
-    /// An electrode carries one part, or two to the cell where they merge.
+    /// An electrode carries one part, or two parts to the cell where they merge. Returns the part of each electrode.
     fn owners(&self, moment: &StepBeat, pulls: &Pulls) -> Result<FxHashMap<ElectrodeCell, usize>, Violation> {
         let mut owners = FxHashMap::default();
         for (part, pull) in pulls {
@@ -104,7 +105,7 @@ impl JudgedBoard<'_, '_> {
         Ok(owners)
     }
 
-    /// No electrode acts on a part that it does not carry, neither at its start nor at its end.
+    /// No electrode acts on a part that it does not carry, neither at the part's start nor at its end.
     fn strays(
         &self,
         moment: &StepBeat,
@@ -117,13 +118,13 @@ impl JudgedBoard<'_, '_> {
             let meant = |electrode: &ElectrodeCell| {
                 let of_partner = partner.is_some_and(|(other, goal)| {
                     let stands = pull.from == goal || pull.to == goal;
-                    // The goal is on for one of the two, and not for another electrode of its channel.
+                    // The goal is on for one of the two, and not because of another electrode of its channel.
                     let is_for_them = !self.channels.is_shared(goal) || owners.contains_key(&goal);
                     (*electrode == goal && is_for_them) || (stands && owners.get(electrode) == Some(&other))
                 });
                 pull.by.contains(electrode) || of_partner
             };
-            // Without a partner the pull itself accounts for all that acts at the start.
+            // Without a partner, the pull itself accounts for every electrode that acts at the start.
             let ends = [(partner.is_some(), pull.from), (pull.moves(), pull.to)];
             for (_, at) in ends.into_iter().filter(|(is_open, _)| *is_open) {
                 let Some(stray) = acting(moment.on, electrodes, at).into_iter().find(|cell| !meant(cell)) else {
@@ -139,7 +140,7 @@ impl JudgedBoard<'_, '_> {
         Ok(())
     }
 
-    /// An electrode that is on carries or holds a part, or another one of its channel does.
+    /// Every electrode that is on carries or holds a part, or another electrode of its channel does.
     fn unused(&self, moment: &StepBeat, owners: &FxHashMap<ElectrodeCell, usize>) -> Result<(), Violation> {
         if owners.len() == moment.on.len() {
             return Ok(());
@@ -164,7 +165,8 @@ impl JudgedBoard<'_, '_> {
             Electrodes::Single => (),
         }
         self.run.tally.asked(Rule::Hold, pulls.iter().filter(|(_, pull)| !pull.moves()).count());
-        // Where droplets are not held, one may rest on an electrode that is on with another that moves a droplet.
+        // Where droplets are not held, one may rest on an electrode that is on because its channel also moves another
+        // droplet.
         let moving = pulls.iter().filter(|(_, pull)| pull.moves()).flat_map(|(_, pull)| &pull.by);
         let carrying = self.channels.all_shared(moving);
         for (part, pull) in pulls.iter().filter(|(part, pull)| !pull.moves() && !moment.unheld.contains(part)) {
@@ -184,7 +186,7 @@ impl JudgedBoard<'_, '_> {
         Ok(())
     }
 
-    /// An electrode that is on acts on no part that is stuck.
+    /// No electrode that is on acts on a stuck part.
     pub(super) fn leaves_stuck_parts(&self, nth: usize, electrode: ElectrodeCell, at_ns: u64) -> Result<(), Violation> {
         let rule = self.channels.blamed(&[electrode]);
         self.run.tally.asked(rule, 1);
@@ -196,7 +198,7 @@ impl JudgedBoard<'_, '_> {
         Err(self.run.violation(rule, nth, at_ns, title).label(stuck.span, "this obstacle"))
     }
 
-    /// A part without a goal moves only where such parts may yield.
+    /// A part without a goal moves only where bystanders may yield.
     pub(super) fn bystanders(&self, moment: &StepBeat, pulls: &Pulls) -> Result<(), Violation> {
         match self.order.bystanders {
             Bystanders::Yield => return Ok(()),
@@ -210,7 +212,7 @@ impl JudgedBoard<'_, '_> {
         Err(self.broken(Rule::Bystander, moment, title, &[*part]))
     }
 
-    /// Parts keep clear of each other and of all obstacles, wherever in the beat they are.
+    /// Parts keep clear of each other and of all obstacles, anywhere on their paths of the beat.
     pub(super) fn sweeps(&self, moment: &StepBeat, pulls: &Pulls) -> Result<(), Violation> {
         self.nearest(moment, pulls);
         let explain = |(rule, title, parts): Broken| self.broken(rule, moment, title, &parts);
@@ -238,7 +240,7 @@ impl JudgedBoard<'_, '_> {
         }
     }
 
-    /// Where two parts may be while they must keep their distance; `None` if they need not.
+    /// Swept cells of two parts while they must keep their distance; `None` if they need not.
     pub(super) fn spans(
         &self,
         moment: &StepBeat,
@@ -256,13 +258,13 @@ impl JudgedBoard<'_, '_> {
         }
     }
 
-    /// The distance of two parts that must keep one.
+    /// Distance between two parts; `None` if they need not keep one.
     pub(super) fn apart(&self, moment: &StepBeat, pair: [&(usize, PartPull); 2]) -> Option<u32> {
         self.spans(moment, pair).map(|[one, other]| one.apart(&other))
     }
 
-    /// Two parts keep the separation; between two that merge, moves on their common goal are exempt, and the two of a split keep it from
-    /// where they go on.
+    /// Two parts keep the separation. Between two parts that merge, their common goal and moves to or from it are
+    /// exempt; the two halves of a split need it only at their destinations.
     fn touches(&self, moment: &StepBeat, pulls: &Pulls) -> Option<Broken> {
         let at_ns = moment.at_ns;
         let needed = needed(&self.order.facts);
@@ -287,7 +289,7 @@ impl JudgedBoard<'_, '_> {
         Some((Rule::Touch, title, vec![pull.0]))
     }
 
-    /// Where a part rests or arrives it keeps the clearance from electrodes that an obstacle covers.
+    /// Where a part rests or arrives, it keeps the clearance from electrodes that an obstacle covers.
     fn clearances(&self, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
         self.run.tally.asked(Rule::Clearance, pulls.len());
         let near = |(part, pull): &(usize, PartPull)| Some((*part, pull.to, self.scene.blocked(pull.to)?));
@@ -299,10 +301,10 @@ impl JudgedBoard<'_, '_> {
     }
 }
 
-/// A broken rule with the text of its message, and the parts concerned.
+/// A broken rule, the title of its violation, and the parts concerned.
 type Broken = (Rule, String, Vec<usize>);
 
-/// Some electrodes in words.
+/// A list of electrodes for a message.
 fn listed(cells: &[ElectrodeCell]) -> String {
     let shown: Vec<String> = cells.iter().take(SHOWN).map(ElectrodeCell::to_string).collect();
     match cells.len().saturating_sub(SHOWN) {

@@ -1,9 +1,10 @@
-//! Shared channels: what one switch does to every droplet in reach.
+//! Shared channels: the effect of one switch on all droplets in reach.
 //!
-//! Input: the numbers of the channels under the places of a board. Output: the electrodes that a channel switches, and those of them that
-//! act when it is on. Promise: everything that the replay takes as on is on by this alone, so that the rules of pull see all electrodes of
-//! a channel. Where one of a shared channel acts on a droplet besides the one to which that goes, it is this rule that is broken. A channel
-//! is of use if any of its electrodes carries or holds a part. Cost: one pass over the map, then a look at the channel of each electrode.
+//! Input: the channel numbers of the cells of a board. Output: the electrodes that a channel switches, and those of
+//! them that act when it is on. Promise: the replay derives every electrode that is on from this module, so that the
+//! rules on pulls see all electrodes of a channel. If an electrode of a shared channel acts on a droplet that it
+//! should not carry, the broken rule is `Broadcast`. A channel counts as used if any of its electrodes carries or
+//! holds a part. Cost: one pass over the map, then one lookup per electrode.
 
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::verify::rule::Rule;
@@ -12,15 +13,15 @@ use std::collections::BTreeMap;
 
 /// The channels of a board that switch several electrodes.
 pub(super) struct JudgedChannels {
-    /// Each with its electrodes.
+    /// The electrodes of each channel.
     groups: Vec<Vec<ElectrodeCell>>,
-    /// The group of an electrode that is in one.
+    /// Index in `groups` of each electrode that shares its channel.
     of: FxHashMap<ElectrodeCell, usize>,
     disabled: FxHashSet<ElectrodeCell>,
 }
 
 impl JudgedChannels {
-    /// The shared channels of a board; none where its places have no numbers.
+    /// The shared channels of a board; none if its cells have no channel numbers.
     pub fn new(facts: &ElectrodeArrayFacts) -> JudgedChannels {
         let mut places: BTreeMap<u32, Vec<ElectrodeCell>> = BTreeMap::new();
         let (columns, channels) =
@@ -38,7 +39,7 @@ impl JudgedChannels {
         JudgedChannels { groups, of, disabled }
     }
 
-    /// The number of electrodes that are on shared channels.
+    /// Number of electrodes on shared channels.
     pub fn electrodes(&self) -> usize {
         self.of.len()
     }
@@ -48,12 +49,13 @@ impl JudgedChannels {
         self.shared(electrode).is_some()
     }
 
-    /// The electrodes on the channel of one, itself among them.
+    /// The electrodes on the channel of an electrode, including itself.
     pub fn switches(&self, electrode: ElectrodeCell) -> Vec<ElectrodeCell> {
         self.of.get(&electrode).map_or_else(|| vec![electrode], |group| self.groups[*group].clone())
     }
 
-    /// Those that act when the channel of one is on: all that work. A channel of one electrode always acts.
+    /// The electrodes that act when the channel of an electrode is on: those that work. A channel of one electrode
+    /// always acts.
     pub fn lights(&self, electrode: ElectrodeCell) -> Vec<ElectrodeCell> {
         let mut all = self.switches(electrode);
         if all.len() > 1 {
@@ -62,7 +64,7 @@ impl JudgedChannels {
         all
     }
 
-    /// The shared channel of an electrode, as a number of its own.
+    /// The shared channel of an electrode, as an index of this module.
     pub fn shared(&self, electrode: ElectrodeCell) -> Option<usize> {
         self.of.get(&electrode).copied()
     }
@@ -72,7 +74,7 @@ impl JudgedChannels {
         electrodes.filter_map(|electrode| self.shared(*electrode)).collect()
     }
 
-    /// The rule that is broken where electrodes act on a part that must not.
+    /// The rule that is broken if these electrodes act on a part that they must not.
     pub fn blamed(&self, acting: &[ElectrodeCell]) -> Rule {
         if acting.iter().any(|cell| self.is_shared(*cell)) { Rule::Broadcast } else { Rule::Pull }
     }

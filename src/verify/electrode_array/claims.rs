@@ -1,6 +1,7 @@
-//! Assumptions of the replay about claims on an electrode array.
+//! Assumptions of the replay about the claims of an electrode array.
 //!
-//! Input: an order. Output: nothing, or why no run can be checked against it. Claims of the checker always pass.
+//! Input: an order. Output: nothing, or the reason why no run can be checked against it. Claims of the checker always
+//! pass.
 
 use super::super::Unfit;
 use super::broadcast::JudgedChannels;
@@ -77,7 +78,7 @@ fn facts(facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
     }
 }
 
-/// Frames are whole steps of the board; each sequence begins with a pad of its own and ends with the outlet.
+/// Frames are whole steps of the board; each sequence begins with a pad of its own and ends with the outlet on.
 fn reservoirs(pads: &ReservoirPads, facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
     let is_whole = pads.frame_ns > 0 && pads.frame_ns.is_multiple_of(facts.step_ns);
     demand(is_whole, "hold frames of reservoirs that are no steps of the board")?;
@@ -129,7 +130,8 @@ fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     demand(order.obstacles.iter().all(|obstacle| is_block(&obstacle.body)), "hold an obstacle of no electrodes")
 }
 
-/// Zones lie on the board, and each has one temperature at most, a heater.
+/// Zones lie on the board. Stays in heaters, and only those, have a temperature, which is the same for all stays in
+/// one heater.
 fn zones(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     let is_block = |zone: &BoardZone| {
         let [low, high] = [zone.from, zone.to].map(ElectrodeCell::pair);
@@ -157,7 +159,7 @@ fn zones(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     Ok(())
 }
 
-/// Of several places the plan chooses the one stop of an operation, which does the same at each.
+/// Several places are alternatives for the single stop of an operation, which does the same at each.
 fn among(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), Unfit> {
     let cells: Vec<ElectrodeCell> = operation.among.iter().map(|place| place.stop.cell).collect();
     let distinct: BTreeSet<[u32; 2]> = cells.iter().map(|cell| cell.pair()).collect();
@@ -175,7 +177,7 @@ fn among(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), 
     demand(sorts.len() <= 1, "choose a place among zones of several sorts")
 }
 
-/// An operation in a zone only stays there.
+/// An operation in a zone does nothing but stay there.
 fn in_zone(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay: ZoneStay) -> Result<(), Unfit> {
     demand(stay.zone < order.zones.len(), "name a zone that they do not have")?;
     let is_plain = operation.with.is_none() && operation.splits.is_none() && !operation.mixes;
@@ -235,7 +237,7 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
     demand(stays <= order.facts.most_stay_steps(order.parts.len()), "stay for too many steps")
 }
 
-/// A droplet is mixed for some time; or it is pulled apart, and both go to opposite sides.
+/// A droplet is mixed for some time, or it is split and its halves go to opposite sides.
 fn mix_or_split(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), Unfit> {
     let is_plain = operation.with.is_none() && !operation.comes && !operation.leaves;
     let is_droplet = order.facts.layout.electrodes == Electrodes::Single;

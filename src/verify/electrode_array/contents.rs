@@ -1,7 +1,7 @@
-//! What droplets contain at the end of each run of a board, from the operations that it and the runs before it have done.
+//! Contents of the droplets at the end of each run of a board, from the operations of this run and of those before it.
 //!
-//! A droplet is a volume and the shares of its fluids: what merges is averaged by volume, what splits is halved. Shares are compared with a
-//! tolerance for the rounding of these means.
+//! A droplet is a volume and the fractions of its fluids: a merge averages the fractions by volume, a split halves the
+//! volume. Fractions are compared with a tolerance for the rounding of these means.
 
 use crate::claims::electrode_array::{
     BoardPart, DropletContent, DropletShare, ElectrodeArrayAction, ElectrodeArrayOrder,
@@ -13,15 +13,15 @@ use crate::verify::rule::Rule;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Difference of two shares, or of two volumes of one droplet, that is rounding.
+/// Rounding tolerance between two fractions, or two volumes, of a droplet.
 const TOLERANCE: f64 = 1e-9;
 
-/// A droplet in the end, or when it was last on the board.
+/// A droplet at the end, or when it was last on the board.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DropletAfter<'c> {
-    /// In droplets as reservoirs dispense them.
+    /// In units of one dispensed droplet.
     pub volume: f64,
-    /// The part of its volume, from 0 to 1, by the names of the fluids.
+    /// The fraction of each fluid, from 0 to 1, by the fluid's name.
     pub shares: BTreeMap<&'c str, f64>,
 }
 
@@ -42,13 +42,13 @@ impl<'c> DropletAfter<'c> {
     }
 }
 
-/// A condition on droplets that is not kept: where the program asks for it, and what is wrong.
+/// A broken condition on a droplet: its place in the program, and the title of the violation.
 pub(super) struct BrokenContent {
     pub span: Span,
     pub title: String,
 }
 
-/// What is wrong with the droplets of all runs of a device, where this is its last one.
+/// Broken conditions on the droplets of all runs of a device; empty unless `job` is the device's last run.
 pub(super) fn broken(claims: &Claims, job: &Job, tally: &Tally) -> Vec<BrokenContent> {
     let own = claims.jobs.iter().filter(|other| other.device == job.device);
     if !own.clone().next_back().is_some_and(|last| std::ptr::eq(last, job)) {
@@ -65,7 +65,7 @@ pub(super) fn broken(claims: &Claims, job: &Job, tally: &Tally) -> Vec<BrokenCon
     found
 }
 
-/// Number of operations after which the device limits the volume of a droplet.
+/// Number of operations whose droplet volume the device limits.
 fn limited(order: &ElectrodeArrayOrder) -> usize {
     if order.facts.least_volume.is_none() && order.facts.most_volume.is_none() {
         return 0;
@@ -78,7 +78,7 @@ fn limited(order: &ElectrodeArrayOrder) -> usize {
     operations.sum()
 }
 
-/// The droplets of a device, in the course of its runs.
+/// The droplets of a device, updated run by run.
 #[derive(Default)]
 struct BoardDroplets<'c> {
     droplets: BTreeMap<&'c str, DropletAfter<'c>>,
@@ -87,7 +87,7 @@ struct BoardDroplets<'c> {
 }
 
 impl<'c> BoardDroplets<'c> {
-    /// Enters what the scene of a run puts on the board; runs in one scene share its parts.
+    /// Adds the droplets that the scene of a run puts on the board; runs in one scene share its parts.
     fn put(&mut self, order: &'c ElectrodeArrayOrder) {
         if !self.known.replace(&order.parts).is_some_and(|known| Arc::ptr_eq(known, &order.parts)) {
             for part in order.parts.iter().filter(|part| part.cell.is_some()) {
@@ -97,13 +97,13 @@ impl<'c> BoardDroplets<'c> {
     }
 }
 
-/// The fluids of each droplet before a run, by the runs of its device before it.
+/// The fluids in each droplet before a run, from the earlier runs of its device.
 pub(super) fn fluids_before<'c>(claims: &'c Claims, job: &Job) -> BTreeMap<&'c str, BTreeSet<&'c str>> {
     let droplets = droplets_before(claims, &job.device, Some(job)).into_iter();
     droplets.map(|(name, droplet)| (name, droplet.shares.into_keys().collect())).collect()
 }
 
-/// The droplets of a device after all of its runs, by their names.
+/// The droplets of a device after all of its runs, by name.
 pub(crate) fn droplets_after<'c>(claims: &'c Claims, device: &str) -> BTreeMap<&'c str, DropletAfter<'c>> {
     droplets_before(claims, device, None)
 }
@@ -122,7 +122,7 @@ fn droplets_before<'c>(claims: &'c Claims, device: &str, end: Option<&Job>) -> B
     board.droplets
 }
 
-/// What is wrong with a droplet at the end of a run.
+/// The broken condition on a droplet at the end of a run, if it is broken.
 fn other_than(
     content: &DropletContent,
     order: &ElectrodeArrayOrder,
@@ -148,7 +148,8 @@ fn other_than(
     (!is_kept).then(|| BrokenContent { span: content.span, title: title() })
 }
 
-/// Does what the steps of an order do to droplets; those that get too large or too small for the device.
+/// Applies the steps of an order to the droplets. Returns the droplets that become too large or too small for the
+/// device.
 fn operated<'c>(
     order: &'c ElectrodeArrayOrder,
     droplets: &mut BTreeMap<&'c str, DropletAfter<'c>>,

@@ -1,4 +1,4 @@
-//! Times between operations that must not be longer than the program says.
+//! Maximum delays between operations.
 
 use super::JudgedBoard;
 use super::assay::JudgedAssay;
@@ -6,7 +6,7 @@ use crate::claims::electrode_array::AssayOperation;
 use crate::verify::rule::{Findings, Rule, ms};
 
 impl JudgedBoard<'_, '_> {
-    /// No operation begins too late after those that its `within` counts from.
+    /// No operation begins too late after the operations that its `within` counts from.
     pub(super) fn lags(&self, nth: usize, assay: &JudgedAssay, operations: &[AssayOperation], findings: &mut Findings) {
         findings.asked(Rule::Lag, operations.iter().filter(|operation| operation.within.is_some()).count());
         let (step_ns, start_ns) = (self.order.facts.step_ns, self.run.step(nth).start_ns);

@@ -1,4 +1,4 @@
-//! Operations that were not done, and assays that go on after the last one.
+//! Operations that were not done, and assays that continue after the last one.
 
 use super::JudgedBoard;
 use super::assay::MissedOperation;
@@ -6,7 +6,7 @@ use crate::verify::Violation;
 use crate::verify::rule::{Rule, ms};
 
 impl JudgedBoard<'_, '_> {
-    /// An operation that was not done, or a part that does not end where it should.
+    /// The violation of an operation that was not done, or of a part that does not end where it should.
     pub(super) fn not_done(&self, nth: usize, missed: &MissedOperation) -> Violation {
         let step = self.run.step(nth);
         let MissedOperation { part, cell, beats, with, .. } = *missed;
@@ -43,7 +43,7 @@ impl JudgedBoard<'_, '_> {
         self.run.violation(Rule::Goal, nth, end_ns, title).label(span, "this operation")
     }
 
-    /// An assay ends with its last operation.
+    /// The violation of an assay that does not end with its last operation.
     pub(super) fn idle_assay(&self, nth: usize, beats: u64) -> Violation {
         let step = self.run.step(nth);
         let (done_ns, end_ns) = (step.start_ns + beats * self.order.facts.step_ns, step.end_ns());

@@ -1,4 +1,4 @@
-//! The way of a droplet round its mixing loop.
+//! Motion of a droplet round its mixing loop.
 
 use crate::device::electrode_array::ElectrodeCell;
 
@@ -12,13 +12,13 @@ pub(super) struct Loop {
 }
 
 impl Loop {
-    /// From its corner, with some columns and rows.
+    /// The loop with a corner and a number of columns and rows.
     pub fn new(corner: ElectrodeCell, sides: [u32; 2]) -> Loop {
         Loop { corner, sides }
     }
 
-    /// Whether a droplet that goes round anticlockwise goes from a cell to another: to the right along the lowest row, up along the last
-    /// column, to the left along the highest row, down along the first column.
+    /// Whether the anticlockwise loop leads from one cell directly to another: to the right along the lowest row, up
+    /// along the last column, to the left along the highest row, down along the first column.
     fn leads(&self, from: ElectrodeCell, to: ElectrodeCell) -> bool {
         let along = [from.column.checked_sub(self.corner.column), from.row.checked_sub(self.corner.row)];
         let [Some(column), Some(row)] = along else { return false };
@@ -38,12 +38,12 @@ impl Loop {
     }
 }
 
-/// How far a droplet has come round its loop.
+/// Progress of a droplet round its loop.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Mixing {
-    /// The beat after which it left the corner, and the one up to which it has gone on since.
+    /// The beat after which it left the corner, and the last beat of its uninterrupted motion since.
     round: Option<(u64, u64)>,
-    /// Where it was before its last move, and the beat of that.
+    /// Its cell before its last move, and the beat of that move.
     moved: Option<(ElectrodeCell, u64)>,
 }
 
@@ -53,7 +53,8 @@ impl Mixing {
         self.moved = Some((from, beat));
     }
 
-    /// The beat after which it began to go round, if it is on its way after this one; it may do so only after it last did something else.
+    /// The beat after which it began to go round, if it is still going round after this one. It can begin only after
+    /// `free`, the beat of its last other act.
     pub fn since(&mut self, around: Loop, cell: ElectrodeCell, free: u64, beat: u64) -> Option<u64> {
         let (from, _) =
             self.moved.filter(|(from, moved)| *moved == beat && beat > free && around.leads(*from, cell))?;

@@ -1,10 +1,10 @@
-//! Replays the run of an electrode array: electrodes that are on into pulls, pulls into moves, moves into swept cells.
+//! Replays the run of an electrode array: electrodes that are on become pulls, pulls moves, and moves swept cells.
 //!
-//! Input: a [`JudgedRun`] whose steps and channels are sound, and where the parts stand. Output: their states and the outcomes. A step
-//! of parts is made of steps of the board, here called beats, in which no electrode is switched; a wait is one long beat. Promise:
-//! a part moves only where electrodes pull it, and the first beat that breaks a rule ends the replay of its device, since the places of
-//! parts are unknown after it. Cost: for each beat the parts and the electrodes that are on, but no more beats than the
-//! record has states.
+//! Input: a [`JudgedRun`] whose steps and channels are sound, and the cells of the parts. Output: their states and the
+//! outcomes. A step of parts consists of steps of the board, here called beats, in which no electrode is switched; a
+//! wait is one long beat. Promise: a part moves only where electrodes pull it, and the first beat that breaks a rule
+//! ends the replay of its device, since the positions of parts are unknown after it. Cost: for each beat the parts and
+//! the electrodes that are on; there are no more beats than the record has states.
 
 mod assay;
 mod beat;
@@ -131,23 +131,24 @@ impl JudgedState for ElectrodeArrayState {
     }
 }
 
-/// A board in the course of a run.
+/// A board during the replay of a run.
 struct JudgedBoard<'r, 'a> {
     run: &'r JudgedRun<'a>,
     order: &'r ElectrodeArrayOrder,
     scene: BoardObstacles,
     channels: JudgedChannels,
-    /// The actuations of each step of the run, with the first electrodes of their channels, and those with their pads.
+    /// The actuations of each step of the run: on electrodes, each with the first electrode of its channel, and on
+    /// reservoir pads, each with its pad.
     pulses: Vec<Vec<(ElectrodeCell, &'a Actuation)>>,
     pads: Vec<Vec<(u32, &'a Actuation)>>,
     /// Indices of the parts, by name.
     by_name: Vec<usize>,
-    /// Where each part is; `None` for one that has merged with another.
+    /// Cell of each part; `None` for one that is not on the board, as after a merge.
     cells: Vec<Option<ElectrodeCell>>,
     states: Vec<Cow<'a, TimedState>>,
-    /// Of each step in which several take place at the same time.
+    /// The operations of each assay, by index of its step in the run.
     operations: BTreeMap<usize, Vec<JudgedOperation>>,
-    /// What is left on electrodes, if that matters.
+    /// Traces of droplets on electrodes, if the claims avoid them.
     traces: Option<JudgedTraces<'r>>,
     beats: u64,
     sum_of_costs: u64,
@@ -194,7 +195,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
     }
 
-    /// No electrode is on that does not work, nor a channel none of whose electrodes does: it would pull nothing.
+    /// No electrode that does not work is on, nor a channel without a working electrode: it would pull nothing.
     fn disabled(&self, findings: &mut Findings) {
         let Some(map) = &self.order.facts.map else { return };
         findings.asked(Rule::Disabled, self.pulses.iter().map(Vec::len).sum());
@@ -279,7 +280,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         Ok(())
     }
 
-    /// Motion of each part in a beat, with all rules kept that hold at every instant.
+    /// Motion of each part in a beat, with all rules checked that hold at every instant.
     fn beat(&self, moment: &StepBeat) -> Result<Pulls, Violation> {
         let pulls = self.pulled(moment)?;
         self.bystanders(moment, &pulls)?;
@@ -287,7 +288,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         Ok(pulls)
     }
 
-    /// What is done after some beats; answers with the parts that were there until then.
+    /// Updates zones and assay after a number of beats. Returns the parts that were on the board until then.
     fn settle(&mut self, beat: u64, assay: &mut JudgedAssay, zones: &mut JudgedZones) -> Vec<(usize, ElectrodeCell)> {
         zones.look(beat, &self.cells);
         let there = self.there();
@@ -296,7 +297,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         there
     }
 
-    /// Parts do their operations, beat by beat.
+    /// Parts perform their operations, beat by beat.
     fn operate(&mut self, nth: usize, asked: &'r [AssayOperation], findings: &mut Findings) -> Result<(), Halt> {
         let placed = self.placed(nth, asked, findings)?;
         let operations = placed.as_ref();
@@ -325,7 +326,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 assay.come(part, beat);
                 reservoirs.iter_mut().for_each(|reservoirs| reservoirs.begin(part, outlet, beat));
                 self.traces.iter_mut().for_each(|traces| traces.dispense(part, asked));
-                // Who leaves the outlet at that instant is there with it.
+                // A part that leaves the outlet at that instant is there together with the new droplet.
                 let leaves = there.iter().copied().filter(|(other, cell)| *other != part && *cell == outlet);
                 let both: Vec<_> = std::iter::once((part, outlet)).chain(leaves).collect();
                 self.tread(nth, at_ns, operations, &assay, &both, findings);
@@ -370,7 +371,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         Ok(())
     }
 
-    /// The droplets that are pulled apart in a beat: those that are due, and on which the two electrodes act and no other one.
+    /// The droplets that are split in a beat: those that are due to split and on which the two electrodes act, and no
+    /// other one.
     fn pulled_apart(&self, assay: &JudgedAssay, on: &FxHashSet<ElectrodeCell>) -> Vec<JudgedSplit> {
         let mut due = assay.due_to_split(&self.cells);
         due.retain(|split| {
@@ -380,10 +382,10 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         due
     }
 
-    /// The droplets that reservoirs begin to dispense in a beat: the pads of their first frame are on and no droplet is near, or without
-    /// pads an outlet's electrode that is on and acts on no droplet brings one out.
-    /// Which of those that are due it is has no effect on the board; the record names it, by its next state or, where it is gone by then,
-    /// by its operation.
+    /// The droplets that reservoirs begin to dispense in a beat. With pads: the pads of the first frame are on and no
+    /// droplet is near. Without pads: the outlet's electrode is on and acts on no droplet. If several parts are due at
+    /// an outlet, the choice has no effect on the board; the record names the part, by its next state or, if the part
+    /// is gone by then, by its operation.
     fn dispensed(
         &self,
         nth: usize,
@@ -414,7 +416,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         due.iter().filter_map(|(outlet, parts)| Some((named(parts)?, *outlet))).collect()
     }
 
-    /// The operations of a step on the clock.
+    /// The operations of a step with their times in nanoseconds.
     fn on_clock(
         &self,
         nth: usize,
@@ -432,7 +434,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             .collect()
     }
 
-    /// A step of parts lasts for a whole number of beats.
+    /// A step of parts lasts a whole number of beats.
     fn whole_beats(&self, nth: usize) -> Result<u64, Violation> {
         let (step, step_ns) = (self.run.step(nth), self.order.facts.step_ns);
         self.run.tally.asked(Rule::Beat, 1);
@@ -444,7 +446,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         Err(self.run.violation(Rule::Beat, nth, step.start_ns, title))
     }
 
-    /// Changes of electrodes in a step, provided that they are between beats and pull no stuck part.
+    /// The switching of a step's electrodes, or the violation if one is switched within a beat or pulls a stuck part.
     fn switching(&self, nth: usize, beat_ns: u64) -> Result<Switching<ElectrodeCell>, Violation> {
         let mut pulses = Vec::with_capacity(self.pulses[nth].len());
         for (first, part) in &self.pulses[nth] {
@@ -457,7 +459,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         Ok(Switching::new(&pulses))
     }
 
-    /// What is on in a step, in beats; it is switched only between them.
+    /// An actuation as an interval in beats, or the violation if it is switched within a beat.
     fn in_beats<E>(
         &self,
         nth: usize,
@@ -491,7 +493,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
     }
 
-    /// Parts come by their stops in order, and end at their goals.
+    /// Parts pass their stops in order and end at their goals.
     fn goals(&self, nth: usize, stage: &JudgedStage, findings: &mut Findings) {
         let step = self.run.step(nth);
         let end_ns = step.end_ns();
@@ -514,7 +516,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
     }
 
-    /// Parts that yielded are back where they were.
+    /// Parts that yielded are back at their homes.
     fn returns(&self, nth: usize, homes: impl Iterator<Item = (usize, ElectrodeCell)>, findings: &mut Findings) {
         let step = self.run.step(nth);
         let end_ns = step.end_ns();
@@ -534,7 +536,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         })
     }
 
-    /// Holds the state at an instant against the record's next one.
+    /// Checks the state at an instant against the record's next one.
     fn record(&mut self, t_ns: u64) -> Result<(), Halt> {
         let Some(recorded) = self.run.plan.states.get(self.states.len()) else {
             return Err(record::miscounted(self.run, self.due_states()).into());
@@ -559,8 +561,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         here.eq(parts.iter().map(|(name, cell)| (name.as_str(), *cell)))
     }
 
-    /// Number of states that a record of this run must have: one at first, one after each beat of its steps, and one where parts leave in
-    /// a step without any.
+    /// Number of states that a record of this run must have: one at the start, one after each beat of its steps, and
+    /// one where parts leave in a step without beats.
     fn due_states(&self) -> u64 {
         let of_beats = |nth: usize| self.run.step(nth).duration_ns / self.order.facts.step_ns;
         let beats = self.order.steps.iter().enumerate().map(|(nth, step)| match &step.action {
@@ -584,7 +586,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 }
 
-/// Where the parts stand at first: where the last run of the device left them, or where the scene has them.
+/// Cell of each part at the start of a run: where the device's last run left it, or where the scene has it.
 fn start(run: &JudgedRun, order: &ElectrodeArrayOrder, standing: &Standing) -> Vec<Option<ElectrodeCell>> {
     let stands = match standing.get(run.job.device.as_str()) {
         Some(State::ElectrodeArray(ElectrodeArrayState { parts })) => Some(parts),

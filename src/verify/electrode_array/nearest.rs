@@ -1,6 +1,7 @@
-//! How near parts come to one another and to obstacles, for the record of what was verified.
+//! Least distances of parts from one another and from obstacles, for the evidence.
 //!
-//! Distances are those by which [`super::bodies`] judges: of cells in which a part may be in a beat, in electrodes from centre to centre.
+//! Distances are those by which [`super::bodies`] judges: between the cells in which parts may be in a beat, in
+//! electrodes from centre to centre.
 
 use super::JudgedBoard;
 use super::beat::{Pulls, StepBeat};
@@ -11,7 +12,7 @@ use crate::verify::evidence::{Clearance, GapUnit};
 use crate::verify::rule::Rule;
 
 impl JudgedBoard<'_, '_> {
-    /// Keeps the least distances of a beat, where they are less than all before.
+    /// Records the distances of a beat that are less than all before.
     pub(super) fn nearest(&self, moment: &StepBeat, pulls: &Pulls) {
         let device = &self.run.job.device;
         let farthest = self.order.facts.columns.max(self.order.facts.rows);
@@ -22,7 +23,7 @@ impl JudgedBoard<'_, '_> {
         let ways: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
         let apart = |one: usize, other: usize| self.apart(moment, [&pulls[one], &pulls[other]]);
         let mut within = least(Rule::Touch);
-        // Nothing that is verified comes nearer than what is needed.
+        // No accepted schedule has a distance below the needed one.
         let mut nearest = None;
         while within > needed(&self.order.facts) {
             let Some(found) = first_touch(&ways, within, apart) else { break };
@@ -45,7 +46,7 @@ impl JudgedBoard<'_, '_> {
         });
     }
 
-    /// Keeps the least distance of a part from an obstacle.
+    /// Records the least distance of a part from an obstacle.
     fn near_bodies(
         &self,
         moment: &StepBeat,
@@ -66,7 +67,7 @@ impl JudgedBoard<'_, '_> {
         }
     }
 
-    /// Keeps a distance of a part from another one, or from an obstacle, at the instant at which it has it.
+    /// Records the distance of a part from another one, or from an obstacle, with its instant.
     fn keep(
         &self,
         rule: Rule,

@@ -1,4 +1,4 @@
-//! Where operations took place for which the program names several places: the record has one of them for each.
+//! Places of operations that have alternatives: the record names the chosen one.
 
 use super::{Halt, JudgedBoard};
 use crate::claims::electrode_array::AssayOperation;
@@ -6,7 +6,7 @@ use crate::verify::rule::{Findings, Rule};
 use std::borrow::Cow;
 
 impl JudgedBoard<'_, '_> {
-    /// The operations of a step at the places of the record, of which each is one that the program names.
+    /// The operations of a step, each at its recorded place, which must be one that the program names.
     pub(super) fn placed<'o>(
         &self,
         nth: usize,

@@ -1,13 +1,14 @@
-//! Where the electrodes that are on carry a part.
+//! Motion of a part by the electrodes that are on.
 //!
-//! Input: the electrodes that are on in one step of the board, and where a part stands. Output: where it goes, and by which of
-//! them; or that they carry it nowhere in particular. An electrode acts on a part if it lies less than two columns and less
-//! than two rows from an electrode of the part.
+//! Input: the electrodes that are on in one beat, and the cell of a part. Output: where it goes and which electrodes
+//! carry it there, or `None` if they carry it to no definite cell. An electrode acts on a part if it is less than two
+//! columns and less than two rows from an electrode of the part.
 
 use crate::device::electrode_array::{ElectrodeCell, Electrodes, Hold};
 use rustc_hash::FxHashSet;
 
-/// The pairs that move a micropart, from its centre: the step that it takes and the two electrodes (Table 2 of the paper).
+/// The electrode pairs that move a micropart: its step, and the offsets of the two electrodes from its centre (Table 2
+/// of the paper).
 const PAIRS: [([i64; 2], [[i64; 2]; 2]); 4] = [
     ([1, 0], [[2, -1], [2, 1]]),
     ([-1, 0], [[-2, -1], [-2, 1]]),
@@ -15,12 +16,12 @@ const PAIRS: [([i64; 2], [[i64; 2]; 2]); 4] = [
     ([0, 1], [[-1, 2], [1, 2]]),
 ];
 
-/// Motion of one part in one step of the board, caused by the electrodes.
+/// Motion of one part in one beat, with the electrodes that cause it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct PartPull {
     pub from: ElectrodeCell,
     pub to: ElectrodeCell,
-    /// The electrodes that cause it; none for a part that rests without voltage.
+    /// The electrodes that cause it; empty for a part that rests without voltage.
     pub by: Vec<ElectrodeCell>,
 }
 
@@ -35,27 +36,27 @@ impl PartPull {
     }
 }
 
-/// The farthest column or row, from the centre of a part, of an electrode that acts on it. The squares about the electrodes
-/// of a part leave no gap, so all electrodes up to there do.
+/// Greatest column or row offset, from the centre of a part, of an electrode that acts on it. The squares of reach
+/// around the electrodes of a part leave no gap, so all electrodes within this range act.
 pub(super) fn range(electrodes: Electrodes) -> i64 {
     let farthest = electrodes.offsets().iter().flatten().map(|offset| offset.abs()).max();
     farthest.unwrap_or(0) + 1
 }
 
-/// The electrodes that are on and act on a part at a place, by column, then row.
+/// The electrodes that are on and act on a part at a cell, by column, then row.
 pub(super) fn acting(on: &FxHashSet<ElectrodeCell>, electrodes: Electrodes, at: ElectrodeCell) -> Vec<ElectrodeCell> {
     let range = range(electrodes);
     let around = (-range..=range).flat_map(|column| (-range..=range).map(move |row| [column, row]));
     around.filter_map(|offset| shifted(at, offset)).filter(|cell| on.contains(cell)).collect()
 }
 
-/// The cell shifted by some columns and rows, unless that overflows.
+/// The cell shifted by some columns and rows; `None` on overflow.
 fn shifted(cell: ElectrodeCell, [columns, rows]: [i64; 2]) -> Option<ElectrodeCell> {
     let on = |at: u32, by: i64| u32::try_from(i64::from(at) + by).ok();
     Some(ElectrodeCell::new(on(cell.column, columns)?, on(cell.row, rows)?))
 }
 
-/// Where a part goes; `None` if it is pulled to no neighbour, or apart.
+/// Motion of a part; `None` if it is pulled to no neighbour, or in several directions.
 pub(super) fn explained(on: &FxHashSet<ElectrodeCell>, electrodes: Electrodes, at: ElectrodeCell) -> Option<PartPull> {
     let acting = acting(on, electrodes, at);
     match electrodes {
@@ -84,9 +85,10 @@ fn droplet(at: ElectrodeCell, acting: &[ElectrodeCell]) -> Option<PartPull> {
     }
 }
 
-/// Motion of a droplet that merges with another at a goal. There it stays as long as that electrode is on, or needs none to rest, whatever
-/// pulls the other one beside it. Elsewhere the electrode of the goal is ignored, since it belongs to the other droplet; if no other
-/// electrode acts on the droplet, it goes to the goal if it can.
+/// Motion of a droplet that merges with another at a goal. At the goal it stays as long as that electrode is on, or if
+/// it needs none to rest, whatever pulls the other droplet beside it. Elsewhere the electrode of the goal is ignored,
+/// since it belongs to the other droplet; if no other electrode acts on this droplet, it goes to the goal if that is
+/// adjacent.
 pub(super) fn merging(
     on: &FxHashSet<ElectrodeCell>,
     hold: Hold,

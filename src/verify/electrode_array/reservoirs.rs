@@ -1,9 +1,9 @@
-//! Pads of reservoirs: on in the frames that make a droplet, and at no other time.
+//! Reservoir pads: on in the frames that dispense a droplet, and at no other time.
 //!
-//! Input: the pads that are on, beat by beat, and the droplets that are due. A droplet is in the making from the beat on in which the pads
-//! of its reservoir's first frame are on, until its last frame is over; all that time it counts as one on the electrode at the outlet,
-//! since nobody knows from which frame on liquid is there. Output: which electrodes at outlets are to be off, and the first pad or outlet
-//! that is not as the frames have it.
+//! Input: the pads that are on, beat by beat, and the droplets that are due. A droplet is being dispensed from the
+//! beat in which the pads of its reservoir's first frame are on until its last frame is over. All that time it counts
+//! as a droplet on the outlet's electrode, since it is unknown from which frame on liquid is there. Output: the outlet
+//! electrodes that must be off, and the first pad or outlet that differs from the frames.
 
 use super::JudgedBoard;
 use super::switching::{SwitchPulse, Switching};
@@ -13,24 +13,24 @@ use crate::verify::rule::{Rule, Violation, ms};
 use rustc_hash::FxHashSet;
 use std::collections::BTreeSet;
 
-/// A droplet in the making.
+/// A droplet that is being dispensed.
 struct Making<'o> {
     part: usize,
     sequence: &'o DispenseSequence,
     since: u64,
 }
 
-/// What is on against the frames.
+/// A difference between the pads and outlets that are on and the frames.
 pub(super) enum PadFault {
-    /// A pad that no droplet in the making needs.
+    /// A pad is on that no frame in progress needs.
     Needless(u32),
-    /// A pad that is off in a frame that has it on; the part, and the number of the frame from 1.
+    /// A pad is off in a frame that has it on; with the part, and the number of the frame from 1.
     Missing { pad: u32, part: usize, frame: u64 },
-    /// An electrode at an outlet that is on in a frame that has it off.
+    /// An outlet's electrode is on in a frame that has it off.
     Outlet { outlet: ElectrodeCell, part: usize, frame: u64 },
 }
 
-/// The reservoirs of a board in the course of an assay.
+/// The reservoirs of a board during an assay.
 pub(super) struct JudgedReservoirs<'o> {
     pads: &'o ReservoirPads,
     switching: Switching<u32>,
@@ -39,12 +39,12 @@ pub(super) struct JudgedReservoirs<'o> {
 }
 
 impl<'o> JudgedReservoirs<'o> {
-    /// Before the first beat.
+    /// The reservoirs before the first beat.
     pub fn new(pads: &'o ReservoirPads, pulses: &[SwitchPulse<u32>], beat_ns: u64) -> JudgedReservoirs<'o> {
         JudgedReservoirs { pads, switching: Switching::new(pulses), beat_ns, making: Vec::new() }
     }
 
-    /// Goes on to a beat; what is made by then is no longer in the making.
+    /// Advances to a beat and drops the droplets that are finished by then.
     pub fn advance(&mut self, beat: u64) {
         self.switching.advance(beat);
         let (pads, beat_ns) = (self.pads, self.beat_ns);
@@ -58,13 +58,13 @@ impl<'o> JudgedReservoirs<'o> {
         Some(first.pads.iter().all(|pad| self.switching.on.contains(pad)))
     }
 
-    /// Notes that a part is in the making from a beat on.
+    /// Starts the dispensing of a part at a beat.
     pub fn begin(&mut self, part: usize, outlet: ElectrodeCell, beat: u64) {
         let sequence = self.pads.at(outlet);
         self.making.extend(sequence.map(|sequence| Making { part, sequence, since: beat }));
     }
 
-    /// The frame of what is in the making in a beat, with its number from 1.
+    /// The frame of a droplet in a beat, with its number from 1.
     fn frame(&self, making: &Making<'o>, beat: u64) -> Option<(u64, &'o DispenseFrame)> {
         let passed = (beat - making.since) * self.beat_ns / self.pads.frame_ns;
         Some((passed + 1, making.sequence.frames.get(usize::try_from(passed).ok()?)?))
@@ -77,12 +77,12 @@ impl<'o> JudgedReservoirs<'o> {
         })
     }
 
-    /// The parts whose electrode is off in a beat because their frame has it off.
+    /// The parts whose electrode is off in a beat, as their frame demands.
     pub fn unheld(&self, beat: u64) -> Vec<usize> {
         self.frames(beat).filter(|(_, _, frame)| !frame.outlet).map(|(making, ..)| making.part).collect()
     }
 
-    /// The first fault of a beat, with the electrodes that are on in it.
+    /// The first fault of a beat, given the electrodes that are on in it.
     pub fn fault(&self, beat: u64, on: &FxHashSet<ElectrodeCell>) -> Option<PadFault> {
         let mut needed = BTreeSet::new();
         for (Making { part, sequence, .. }, frame, due) in self.frames(beat) {
@@ -110,7 +110,7 @@ impl<'r> JudgedBoard<'r, '_> {
         Ok(Some(JudgedReservoirs::new(pads, &pulses?, beat_ns)))
     }
 
-    /// Outside of assays no reservoir makes a droplet.
+    /// Outside of assays no pad is on.
     pub(super) fn pads_rest(&self, nth: usize) -> Result<(), Violation> {
         self.run.tally.asked(Rule::Reservoir, self.pads[nth].len());
         match self.pads[nth].first() {
@@ -119,7 +119,8 @@ impl<'r> JudgedBoard<'r, '_> {
         }
     }
 
-    /// The parts that lie on an electrode that is off since their reservoirs have it so; pads and outlets are as the frames have them.
+    /// The parts whose electrode is off in a beat, as their reservoir demands; or the violation if a pad or an outlet
+    /// differs from the frames.
     pub(super) fn unheld(
         &self,
         nth: usize,

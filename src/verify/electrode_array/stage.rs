@@ -5,16 +5,16 @@ use crate::claims::electrode_array::{ElectrodeArrayMove, ElectrodeArrayStop};
 use crate::device::electrode_array::ElectrodeCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Who is asked to move, and who merges with whom at present.
+/// The parts with a goal, and the pairs of parts that are about to merge.
 #[derive(Debug, Default)]
 pub(super) struct Meetings {
     asked: BTreeSet<usize>,
-    /// For both parts that merge the other one and the goal; none where one of them is gone already.
+    /// For each part that is to merge, the other part and the goal; no entry once one of them is gone.
     pub pairs: BTreeMap<usize, (usize, ElectrodeCell)>,
 }
 
 impl Meetings {
-    /// Parts that are asked to move, and no pairs.
+    /// Parts with goals, and no pairs.
     pub fn new(asked: impl Iterator<Item = usize>) -> Meetings {
         Meetings { asked: asked.collect(), pairs: BTreeMap::new() }
     }
@@ -24,7 +24,7 @@ impl Meetings {
         self.asked.contains(&part)
     }
 
-    /// The part that another merges with, and where.
+    /// The part that a part merges with, and the goal.
     pub fn partner(&self, part: usize) -> Option<(usize, ElectrodeCell)> {
         self.pairs.get(&part).copied()
     }
@@ -34,19 +34,19 @@ impl Meetings {
 #[derive(Debug, Default)]
 pub(super) struct JudgedStage<'o> {
     moves: &'o [ElectrodeArrayMove],
-    /// The move of each part that has a goal.
+    /// Index into `moves` for each part that has a goal.
     of: BTreeMap<usize, usize>,
     pub meetings: Meetings,
-    /// For each move the number of stops reached.
+    /// Number of stops reached, by move.
     turns: Vec<usize>,
-    /// Where the parts without a goal stood that have moved.
+    /// Original cells of the parts without a goal that have moved.
     pub homes: BTreeMap<usize, ElectrodeCell>,
-    /// The beats, from 1, after which the parts that have moved did so last.
+    /// The beat, from 1, of each part's last move.
     arrivals: BTreeMap<usize, u64>,
 }
 
 impl<'o> JudgedStage<'o> {
-    /// Before the first beat.
+    /// The step before its first beat.
     pub fn new(moves: &'o [ElectrodeArrayMove], cells: &[Option<ElectrodeCell>]) -> JudgedStage<'o> {
         let mut stage = JudgedStage { moves, turns: vec![0; moves.len()], ..JudgedStage::default() };
         for (index, action) in moves.iter().enumerate() {
@@ -76,18 +76,18 @@ impl<'o> JudgedStage<'o> {
         }
     }
 
-    /// The stops that are next in turn are reached by being there.
+    /// Counts the next stops in turn as reached if they are at this cell.
     fn pass(&mut self, index: usize, cell: ElectrodeCell) {
         let left = &self.moves[index].stops[self.turns[index]..];
         self.turns[index] += left.iter().take_while(|stop| stop.cell == cell).count();
     }
 
-    /// The beats until each part's last arrival, added up.
+    /// Sum over the parts of the beats until their last arrival.
     pub fn cost(&self) -> u64 {
         self.arrivals.values().fold(0, |sum, beats| sum.saturating_add(*beats))
     }
 
-    /// Parts with their first stop not yet reached, and whether that is their last.
+    /// Parts that missed a stop: each with its first missed stop, and whether that is its goal.
     pub fn missed(&self, cells: &[Option<ElectrodeCell>]) -> Vec<(usize, &'o ElectrodeArrayStop, bool)> {
         let of_move = |(index, action): (usize, &'o ElectrodeArrayMove)| {
             let (left, goal) = (&action.stops[self.turns[index]..], action.goal());
@@ -101,7 +101,7 @@ impl<'o> JudgedStage<'o> {
         self.moves.iter().enumerate().filter(|(_, action)| action.team.is_none()).flat_map(of_move).collect()
     }
 
-    /// The goals of teams at which none of their parts is, each with a part of the team.
+    /// The goals of teams at which no part of the team is, each with a part of the team.
     pub fn empty(&self, cells: &[Option<ElectrodeCell>]) -> Vec<(usize, &'o ElectrodeArrayStop)> {
         let of_teams = self.moves.iter().filter_map(|action| Some((action.team?, action)));
         let is_taken = |(team, action): &(usize, &ElectrodeArrayMove)| {
@@ -111,7 +111,7 @@ impl<'o> JudgedStage<'o> {
         of_teams.filter(|asked| !is_taken(asked)).map(|(_, action)| (action.part, action.goal())).collect()
     }
 
-    /// The parts that are no more when the step has ended.
+    /// The parts that no longer exist after the step, because they have merged.
     pub fn gone(&self) -> impl Iterator<Item = usize> + use<'o> {
         self.moves.iter().filter_map(|action| action.with)
     }

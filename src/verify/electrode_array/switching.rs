@@ -1,7 +1,7 @@
-//! Which electrodes, or which pads of reservoirs, are on in each step of the board.
+//! The electrodes, or the reservoir pads, that are on in each beat.
 //!
-//! Input: from which step of the board to which each is on. Output: the set of those that are on, step by step. Cost: n log n
-//! for n actuations.
+//! Input: the beats from which and until which each is on. Output: the set of those that are on, beat by beat. Cost: n
+//! log n for n actuations.
 
 use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::ElectrodeCell;
@@ -11,7 +11,7 @@ use crate::verify::rule::{Rule, Violation};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::hash::Hash;
 
-/// An electrode or a pad that is on from the beginning of a step of the board to the beginning of another.
+/// An electrode or a pad that is on from beat `from` until the start of beat `to`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SwitchPulse<E> {
     pub switch: E,
@@ -19,14 +19,14 @@ pub(super) struct SwitchPulse<E> {
     pub to: u64,
 }
 
-/// One switched at the beginning of a step of the board; off is ordered before on.
+/// A change at the beginning of a beat; off is ordered before on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Change {
     Off,
     On,
 }
 
-/// Those that are on in the course of a step of the task.
+/// The electrodes or pads that are on, beat by beat during a step of the task.
 #[derive(Debug)]
 pub(super) struct Switching<E> {
     /// By step of the board, from the last to the first.
@@ -35,7 +35,7 @@ pub(super) struct Switching<E> {
 }
 
 impl<E: Copy + Ord + Hash> Switching<E> {
-    /// Before the first step of the board.
+    /// The state before the first beat.
     pub fn new(pulses: &[SwitchPulse<E>]) -> Switching<E> {
         let both =
             |pulse: &SwitchPulse<E>| [(pulse.from, Change::On, pulse.switch), (pulse.to, Change::Off, pulse.switch)];
@@ -44,7 +44,7 @@ impl<E: Copy + Ord + Hash> Switching<E> {
         Switching { changes, on: FxHashSet::default() }
     }
 
-    /// Goes on to a step of the board, never back.
+    /// Advances to a beat, which must not be earlier than the present one.
     pub fn advance(&mut self, beat: u64) {
         while let Some((_, change, switch)) = self.changes.pop_if(|(at, ..)| *at <= beat) {
             match change {
@@ -55,17 +55,17 @@ impl<E: Copy + Ord + Hash> Switching<E> {
     }
 }
 
-/// Some switches of each step of a run, with their actuations.
+/// Electrodes or pads of each step of a run, with their actuations.
 pub(super) type StepPulses<'a, E> = Vec<Vec<(E, &'a Actuation)>>;
 
-/// What a channel of a board switches.
+/// The electrode or pad that a channel switches.
 #[derive(Clone, Copy)]
 enum JudgedSwitch {
     Electrode(ElectrodeCell),
     Pad(u32),
 }
 
-/// The actuations of each step of a run: those of electrodes, and those of pads.
+/// The actuations of each step of a run: those on electrodes, and those on pads.
 pub(super) fn pulses<'a>(
     run: &JudgedRun<'a>,
     order: &ElectrodeArrayOrder,

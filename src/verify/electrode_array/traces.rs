@@ -1,7 +1,7 @@
-//! What droplets leave on the electrodes to which they come, and who comes there after them.
+//! Contamination: the traces that droplets leave on electrodes, and the droplets that come there later.
 //!
-//! A droplet leaves every fluid that it contains wherever it is after a beat, once it has merged there; a droplet of nothing but washing fluids
-//! takes away all of it.
+//! After each beat, and after the merges done by then, a droplet leaves all its fluids on its electrode. A droplet of
+//! washing fluids alone removes all traces from it.
 
 use super::assay::JudgedAssay;
 use super::{Findings, JudgedBoard, Rule, contents, ms};
@@ -10,7 +10,7 @@ use crate::claims::{Claims, Job};
 use crate::device::electrode_array::ElectrodeCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A droplet that comes onto traces that are avoided in what it contains.
+/// A droplet that comes onto a trace that is avoided for one of its fluids.
 #[derive(Debug)]
 struct Contaminated<'c> {
     part: usize,
@@ -18,21 +18,21 @@ struct Contaminated<'c> {
     avoided: &'c AvoidedTrace,
 }
 
-/// The board's electrodes with what is left on them, in the course of a task.
+/// The traces on the board's electrodes during a task.
 #[derive(Debug)]
 pub(super) struct JudgedTraces<'c> {
     rules: &'c Contamination,
-    /// By part: the fluids that it contains.
+    /// The fluids in each part, by index of the part.
     fluids: Vec<BTreeSet<&'c str>>,
     left: BTreeMap<ElectrodeCell, BTreeSet<&'c str>>,
-    /// Merges that have been done.
+    /// Indices of the merges that are done.
     done: BTreeSet<usize>,
-    /// What was found, once for a part at a cell.
+    /// The violations reported so far, one per part and cell.
     reported: BTreeSet<(usize, ElectrodeCell)>,
 }
 
 impl<'c> JudgedTraces<'c> {
-    /// A clean board before a task; `None` if that avoids no traces.
+    /// A clean board before a task; `None` if the task avoids no traces.
     pub fn new(order: &'c ElectrodeArrayOrder, claims: &'c Claims, job: &Job) -> Option<JudgedTraces<'c>> {
         let rules = &order.contamination;
         if rules.is_unheeded() {
@@ -43,18 +43,18 @@ impl<'c> JudgedTraces<'c> {
         Some(JudgedTraces { rules, fluids, left: BTreeMap::new(), done: BTreeSet::new(), reported: BTreeSet::new() })
     }
 
-    /// Notes what a reservoir dispenses.
+    /// Notes the fluid of a droplet that is dispensed.
     pub fn dispense(&mut self, part: usize, operations: &'c [AssayOperation]) {
         let own = operations.iter().find(|operation| operation.part == part && operation.comes);
         self.fluids[part] = own.and_then(|operation| operation.fluid.as_deref()).into_iter().collect();
     }
 
-    /// Notes that a droplet comes out of another one.
+    /// Notes that a droplet is split off another one.
     pub fn split(&mut self, part: usize, half: usize) {
         self.fluids[half] = self.fluids[part].clone();
     }
 
-    /// Notes the merges that are done by now: both parts are all that they were.
+    /// Updates the fluids by the merges that are done by now: both parts get the union of their fluids.
     fn merge(&mut self, operations: &[AssayOperation], is_done: impl Fn(usize) -> bool) {
         for (place, operation) in operations.iter().enumerate() {
             let Some(with) = operation.with.filter(|_| is_done(place) && !self.done.contains(&place)) else { continue };
@@ -64,7 +64,7 @@ impl<'c> JudgedTraces<'c> {
         }
     }
 
-    /// Parts are on cells, each with what it contains by now.
+    /// Parts rest on cells: reports contaminations, then leaves or washes off traces.
     fn touch(&mut self, there: impl Iterator<Item = (usize, ElectrodeCell)>) -> Vec<Contaminated<'c>> {
         let mut found = Vec::new();
         for (part, cell) in there {
@@ -85,13 +85,13 @@ impl<'c> JudgedTraces<'c> {
 }
 
 impl JudgedBoard<'_, '_> {
-    /// The parts that are on the board, where traces matter.
+    /// The parts on the board with their cells; empty if traces do not matter.
     pub(super) fn there(&self) -> Vec<(usize, ElectrodeCell)> {
         let there = || self.cells.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?)));
         self.traces.iter().flat_map(|_| there()).collect()
     }
 
-    /// Parts are on cells at an instant, with what is done by then.
+    /// Checks the parts on their cells at an instant for contamination, with the merges done by then.
     pub(super) fn tread(
         &mut self,
         nth: usize,

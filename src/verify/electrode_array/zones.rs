@@ -1,4 +1,4 @@
-//! Who is within which zone for how long: a part that is heated, read or held is within it all that time, and alone where it is read.
+//! Stays in zones: a part that is heated, read or held is in its zone for the whole time, and alone while it is read.
 
 use super::assay::JudgedAssay;
 use super::{Findings, JudgedBoard, Rule, ms};
@@ -6,21 +6,21 @@ use crate::claims::electrode_array::{AssayOperation, BoardZone, ElectrodeArrayOr
 use crate::device::electrode_array::ElectrodeCell;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// The zones of a board in the course of an assay; those only in which something stays.
+/// The zones of a board during an assay; only those in which an operation stays.
 pub(super) struct JudgedZones<'c> {
     zones: &'c [BoardZone],
-    /// By zone: the parts within it, each with the beat since which it is there without a pause.
+    /// By zone: the parts in it, each with the beat since which it has been there without a break.
     within: BTreeMap<usize, BTreeMap<usize, u64>>,
-    /// By zone: the last beat after which several parts were within it.
+    /// By zone: the last beat after which several parts were in it.
     crowded: BTreeMap<usize, u64>,
-    /// By part: its operations in zones that are not done, the next one first.
+    /// By part: the indices of its pending operations in zones, the next one first.
     due: BTreeMap<usize, VecDeque<usize>>,
-    /// The parts that become one with another.
+    /// The parts that will merge into another one.
     merging: BTreeSet<usize>,
 }
 
 impl<'c> JudgedZones<'c> {
-    /// Before the first beat.
+    /// The zones before the first beat.
     pub fn new(order: &'c ElectrodeArrayOrder, operations: &[AssayOperation]) -> JudgedZones<'c> {
         let (mut within, mut due) = (BTreeMap::new(), BTreeMap::new());
         for (place, operation) in operations.iter().enumerate() {
@@ -32,7 +32,8 @@ impl<'c> JudgedZones<'c> {
         JudgedZones { zones: &order.zones, within, crowded: BTreeMap::new(), due, merging }
     }
 
-    /// Notes where the parts are after some beats, before anything is settled: what leaves the board in that instant was there.
+    /// Notes the positions of the parts after `beat` beats, before the assay is updated: a part that leaves the board
+    /// at that instant still counts.
     pub fn look(&mut self, beat: u64, cells: &[Option<ElectrodeCell>]) {
         for (zone, within) in &mut self.within {
             let Some(zone_body) = self.zones.get(*zone) else { continue };
@@ -45,7 +46,7 @@ impl<'c> JudgedZones<'c> {
         }
     }
 
-    /// Notes where several parts are after some beats: two that have merged are one from that instant on.
+    /// Notes the zones with several parts after `beat` beats; two parts that have just merged count as one.
     pub fn count(&mut self, beat: u64, settled: &[Option<ElectrodeCell>]) {
         for (zone, within) in &self.within {
             let is_there = |part: &&usize| settled[**part].is_some() || !self.merging.contains(*part);
@@ -56,14 +57,14 @@ impl<'c> JudgedZones<'c> {
     }
 }
 
-/// Whether a zone has an electrode.
+/// Whether a cell is in a zone.
 fn covers(zone: &BoardZone, cell: ElectrodeCell) -> bool {
     let [low, at, high] = [zone.from, cell, zone.to].map(ElectrodeCell::pair);
     (0..2).all(|axis| low[axis] <= at[axis] && at[axis] <= high[axis])
 }
 
 impl JudgedBoard<'_, '_> {
-    /// Operations in zones that are done by now: for all their time the part was within.
+    /// Checks the operations in zones that are done by now: the part was in the zone for the whole time.
     pub(super) fn stays(
         &self,
         nth: usize,
@@ -101,7 +102,7 @@ impl JudgedBoard<'_, '_> {
     }
 }
 
-/// An operation with the index of the zone in which it stays.
+/// An operation with the index of its zone; `None` if it has none.
 fn in_zone(operations: &[AssayOperation], place: usize) -> Option<(&AssayOperation, usize)> {
     let operation = operations.get(place)?;
     Some((operation, operation.zone?.zone))

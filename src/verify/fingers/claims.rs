@@ -1,6 +1,7 @@
-//! Assumptions of the replay about claims on a hand.
+//! Assumptions of the replay about the claims of a hand.
 //!
-//! Input: an order. Output: nothing, or why no run can be checked against it. Claims of the checker always pass.
+//! Input: an order. Output: nothing, or the reason why no run can be checked against it. Claims of the checker always
+//! pass.
 
 use super::super::Unfit;
 use super::body::Surface;
@@ -19,12 +20,12 @@ const MIN_NUMBER: f64 = 1e-9;
 /// Relative tolerance between a section's step and the one derived from its perimeter.
 const STEP_TOLERANCE: f64 = 1e-6;
 
-/// Greatest difference between a section's number of contacts and the nominal one: the checker tries two to each side to find an opposite
-/// contact.
+/// Greatest difference between a section's number of contacts and the nominal one: the checker tries two more and two
+/// fewer to find an opposite contact.
 const CONTACTS_BESIDE: f64 = 2.5;
 
-/// Greatest distance from the opposite contact to the x axis, as a share of the tolerance: the checker allows a quarter, by the nominal
-/// step.
+/// Greatest distance from the opposite contact to the x axis, as a fraction of the tolerance: the checker allows a
+/// quarter, by the nominal step.
 const AXIS_TOLERANCE: f64 = 0.5;
 
 /// Rounding of that distance.

@@ -1,8 +1,9 @@
 //! Distances between tips, and of free tips from the part.
 //!
-//! Tips move on straight lines from one instant to another, so the least distance of two of them is exact. The path of a free
-//! tip past a resting part is followed in strides: a distance grows no faster than the tip moves, so a stride as long as the
-//! excess over the clearance is safe; strides need not be shorter than half of the device's tolerance.
+//! Tips move on straight lines within a stretch, so the least distance between two of them is exact. The path of a
+//! free tip past a resting part is followed in strides (conservative advancement): the distance shrinks no faster than
+//! the tip moves, so a stride as long as the excess over the clearance is safe. A stride need not be shorter than half
+//! of the device's tolerance.
 
 use super::Point;
 use super::body::{ObjectPose, PartOutlines};
@@ -12,10 +13,10 @@ use crate::device::fingers::FingersFacts;
 /// Greatest number of strides along one stretch; a tip that needs more almost touches.
 const MAX_STRIDES: usize = 20_000;
 
-/// Share of the tolerance by which a tip may pass below a clearance undetected.
+/// Shortest stride, as a fraction of the tolerance: a tip may pass below a clearance by this much undetected.
 const STRIDE: f64 = 0.5;
 
-/// The least distance of two tips along a stretch, and the share of the stretch at which it occurs.
+/// The least distance between two tips' centres along a stretch, and the fraction of the stretch at which it occurs.
 pub(super) fn least_um(stretch: &Stretch, one: usize, other: usize) -> (f64, f64) {
     let from_um = stretch.from_um[one] - stretch.from_um[other];
     let run_um = stretch.to_um[one] - stretch.to_um[other] - from_um;
@@ -24,7 +25,8 @@ pub(super) fn least_um(stretch: &Stretch, one: usize, other: usize) -> (f64, f64
     ((from_um + run_um * share).norm(), share)
 }
 
-/// The two tips that come nearest of all in a stretch in which one of them moves; their distance, and at which share.
+/// The nearest two tips of a stretch among the pairs that move, with their distance and the fraction of the stretch at
+/// which it occurs.
 pub(super) fn nearest(stretch: &Stretch) -> Option<([usize; 2], f64, f64)> {
     let fingers = stretch.from_um.len();
     let pairs = (0..fingers).flat_map(|one| (one + 1..fingers).map(move |other| [one, other]));
@@ -46,16 +48,17 @@ pub(super) fn clear_um(facts: &FingersFacts) -> f64 {
     facts.tip_radius_um + facts.clearance_um
 }
 
-/// A free finger between two contacts.
+/// The flight of a free finger between two contacts.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Flight {
-    /// Where its tip was when it left.
+    /// Position of the contact that its tip left; `None` if unknown.
     left_um: Option<Point>,
-    /// Where it has come near, to touch next, and since when.
+    /// The instant at which the tip came near the part in order to touch it, and its positions since then; `None`
+    /// while it is not near.
     pub near: Option<(u64, Vec<Point>)>,
 }
 
-/// Why a free tip must not be where it is.
+/// A tip that is too near to the part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TipHit {
     pub time_ns: u64,
@@ -64,17 +67,17 @@ pub(super) struct TipHit {
 }
 
 impl Flight {
-    /// A finger that leaves a contact.
+    /// The flight of a finger that leaves a contact.
     pub fn from(left_um: Point) -> Self {
         Flight { left_um: Some(left_um), near: None }
     }
 
-    /// The part moves: where the tip came from means nothing any more.
+    /// Drops the contact that the tip left, which is no longer meaningful once the part moves.
     pub fn forget(&mut self) {
         self.left_um = None;
     }
 
-    /// Goes along a stretch past a part at rest.
+    /// Follows the tip along a stretch past a resting part.
     pub fn follow(
         &mut self,
         stretch: &Stretch,
@@ -116,12 +119,12 @@ impl Flight {
         leaves || distance_um < clear_um(facts) - facts.tolerance_um
     }
 
-    /// Remembers where the tip came near the part while approaching a contact.
+    /// Records the positions of a tip near the part while it approaches a contact.
     fn note(&mut self, time_ns: u64, tip_um: Point, distance_um: f64, facts: &FingersFacts) -> Result<(), ()> {
         let is_clear = distance_um >= clear_um(facts) - facts.tolerance_um;
         let leaves = self.left_um.is_some_and(|left_um| (tip_um - left_um).norm() <= retreat_um(facts));
         match &mut self.near {
-            // It came near and goes off again.
+            // It came near and moves away without having touched.
             Some(_) if is_clear => Err(()),
             Some((_, places_um)) => {
                 places_um.push(tip_um);
@@ -135,7 +138,7 @@ impl Flight {
         }
     }
 
-    /// The tip touches: it may have come near only within the last part of its path.
+    /// Ends the flight at a contact; the tip may have been near the part only within the last section of its path.
     pub fn lands(&self, contact_um: &Point, facts: &FingersFacts) -> Result<(), TipHit> {
         let Some((time_ns, places_um)) = &self.near else { return Ok(()) };
         let is_far = |place_um: &Point| (place_um - contact_um).norm() > retreat_um(facts);

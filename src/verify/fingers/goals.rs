@@ -1,4 +1,4 @@
-//! Compares the goal of each step of a hand with the result.
+//! Checks the result of each step of a hand against its goal.
 
 use super::super::rule::{Findings, Rule};
 use super::Point;
@@ -9,13 +9,13 @@ use crate::quantity::digits;
 use crate::schedule::Reached;
 use nalgebra::{Quaternion, UnitQuaternion};
 
-/// Rounding of a place or a turn that is no breach.
+/// Rounding tolerance of positions (um) and turns (rad).
 const ROUNDING: f64 = 1e-6;
 
-/// Tolerance between a recorded turn and the turn that the tips make.
+/// Tolerance between a recorded turn and the turn in the replay, in degrees.
 const TOLD_DEG: f64 = 0.01;
 
-/// Share of a step of rotation by which a part may be turned where it should not be.
+/// Greatest turn of a part that should not turn, as a fraction of a step of rotation.
 const STEADY: f64 = 1e-3;
 
 impl JudgedHand<'_, '_> {
@@ -43,7 +43,7 @@ impl JudgedHand<'_, '_> {
         self.check_reported_turn(nth, findings);
     }
 
-    /// A recorded turn is the one by which the part has turned.
+    /// A recorded turn equals the replayed one.
     fn check_reported_turn(&self, nth: usize, findings: &mut Findings) {
         let FingersAction::Rotate { plane, .. } = &self.order.steps[nth].action else { return };
         let turned_deg = self.since.turn_rad(*plane).to_degrees();
@@ -81,7 +81,7 @@ impl JudgedHand<'_, '_> {
         Some(format!("a grasp ends on the contacts {found}, ({}) are asked for", listed(contacts)))
     }
 
-    /// The part has turned about one axis only, as far as it should.
+    /// The part has turned by the requested angle, and about no other axis.
     fn turn_fault(&self, asked: Option<(Plane, f64)>) -> Option<String> {
         for plane in self.body.planes() {
             let turn_rad = self.since.turn_rad(plane);
@@ -109,7 +109,7 @@ impl JudgedHand<'_, '_> {
             .then(|| format!("the part ends {off} deg from its orientation, {within} deg are allowed"))
     }
 
-    /// The part's origin is where it should be.
+    /// The part's origin has moved as requested.
     fn place_fault(&self, by_um: Point) -> Option<String> {
         let off_um = (self.grip.pose().position_um - self.since.pose.position_um - by_um).norm();
         let within_um = self.order.facts.tolerance_um;

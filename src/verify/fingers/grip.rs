@@ -1,9 +1,10 @@
-//! Which fingers hold the part, and where it is while they move.
+//! The fingers that hold the part, and the pose of the part while they move.
 //!
-//! Tips translate and roll: the pose in the plane is the one in which all tips touch and none has slipped. Without slip the path along the
-//! outline and the world angle of its normal change together, w + l2 φ being constant, so the law holds at every instant
-//! and not only between neighbours. Two or three fingers give more equations than the pose has unknowns: the pose is their least-squares
-//! solution by Gauss-Newton from the last one, and its residual is the tips' distance from rolling and touching exactly.
+//! Tips translate and roll: the pose in the plane is the one in which all tips touch and none has slipped. Without
+//! slip, the path along the outline and the world angle of its normal change together (w + l2 φ is constant), so the
+//! law holds at every instant and not only between neighbouring contacts. Two or three fingers give more equations
+//! than the pose has unknowns: the pose is their least-squares solution by Gauss-Newton, starting from the last pose,
+//! and its residual is the tips' deviation from rolling and touching exactly.
 
 use super::super::geometry::contour::Foot;
 use super::Point;
@@ -12,17 +13,17 @@ use crate::device::fingers::Plane;
 use crate::real::Real;
 use nalgebra::{Matrix3, Vector3};
 
-/// Greatest number of corrections of a pose.
+/// Greatest number of Gauss-Newton corrections of a pose.
 const MAX_CORRECTIONS: usize = 60;
 
-/// A correction that no longer matters.
+/// Length of a correction at which the iteration has converged.
 const SETTLED_UM: f64 = 1e-11;
 
-/// A tip that holds.
+/// A holding tip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct HoldingTip {
     pub finger: usize,
-    /// Where it touches.
+    /// Its contact on the outline.
     pub foot: Foot,
     /// Sum of rolled distance and the part's turn (w + l2 φ): constant as long as the tip does not slip.
     anchor_rad: f64,
@@ -32,40 +33,40 @@ pub(super) struct HoldingTip {
     gap_um: f64,
 }
 
-/// Fingers that hold in a plane; also an empty set, which only carries the pose.
+/// The fingers that hold in a plane; also an empty set, which only carries the pose.
 #[derive(Debug, Clone)]
 pub(super) struct JudgedGrip {
     pub plane: Plane,
-    /// From where turns and shifts count.
+    /// Pose from which turns and shifts are measured.
     reference: ObjectPose,
-    /// Along the axes of the plane, and the turn times the part's reach.
+    /// Shift along the two axes of the plane, and the turn times the part's reach.
     shift_um: Vector3<f64>,
-    /// Across the plane.
+    /// Shift across the plane.
     lift_um: f64,
     reach_um: f64,
     tip_radius_um: f64,
-    /// By finger.
+    /// Holding tips, sorted by finger.
     pub holds: Vec<HoldingTip>,
 }
 
 /// Deviation of tips from touching and rolling exactly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RollingMisfit {
-    /// The finger farthest from touching, and its gap, positive outside of the part.
+    /// The finger with the largest gap, and that gap: positive outside the part, negative inside.
     pub gap_um: (usize, f64),
-    /// The finger that slips most, along the outline or across the plane.
+    /// The finger that slips most, along the outline or across the plane, and its slip.
     pub slip_um: (usize, f64),
 }
 
 impl RollingMisfit {
-    /// The larger one.
+    /// The larger of the two magnitudes.
     pub fn most_um(&self) -> f64 {
         self.gap_um.1.abs().max(self.slip_um.1.abs())
     }
 }
 
 impl JudgedGrip {
-    /// Nothing holds a part.
+    /// A grip without fingers.
     pub fn empty(plane: Plane, pose: ObjectPose, body: &PartOutlines, tip_radius_um: f64) -> Self {
         let (shift_um, lift_um) = (Vector3::zeros(), 0.0);
         JudgedGrip {
@@ -79,12 +80,12 @@ impl JudgedGrip {
         }
     }
 
-    /// Turn of the part since counting began.
+    /// Turn of the part from the reference pose.
     pub fn turn_rad(&self) -> f64 {
         self.shift_um.z / self.reach_um
     }
 
-    /// Where the part is.
+    /// Present pose of the part.
     pub fn pose(&self) -> ObjectPose {
         let [first, second, normal] = self.reference.axes(self.plane);
         let shift_um = first * self.shift_um.x + second * self.shift_um.y + normal * self.lift_um;
@@ -99,10 +100,10 @@ impl JudgedGrip {
         self.holds.iter().any(|hold| hold.finger == finger)
     }
 
-    /// A finger holds from now on, where it is.
+    /// Adds a finger that holds from now on, at its present position.
     pub fn add(&mut self, surface: &Surface, finger: usize, tip_um: &Point) {
         let (place_um, height_um) = self.pose().section_um(self.plane, tip_um);
-        // Only a tip at no place has no foot, and the tracks hold none.
+        // Only a tip without a valid position has no foot, and the tracks have no such tip.
         let Some(foot) = surface.contour.foot(place_um) else { return };
         let gap_um = foot.distance_um - self.tip_radius_um;
         let anchor_rad = surface.turned_rad(&foot) + self.turn_rad();
@@ -110,12 +111,12 @@ impl JudgedGrip {
         self.holds.sort_by_key(|hold| hold.finger);
     }
 
-    /// A finger leaves.
+    /// Removes a finger.
     pub fn remove(&mut self, finger: usize) {
         self.holds.retain(|hold| hold.finger != finger);
     }
 
-    /// Restarts the grip in a plane with the same fingers.
+    /// Restarts the grip in a plane, with the same fingers and a new reference pose.
     pub fn anew(&self, plane: Plane, body: &PartOutlines, tips_um: &[Point]) -> Option<Self> {
         let mut grip = JudgedGrip::empty(plane, self.pose(), body, self.tip_radius_um);
         let surface = body.surface(plane)?;
@@ -125,7 +126,7 @@ impl JudgedGrip {
         Some(grip)
     }
 
-    /// The tips are somewhere else now, not far away. `None` if no pose is found.
+    /// The grip after the tips have moved a little, and its misfit; `None` if no pose is found.
     pub fn follow(&self, surface: &Surface, tips_um: &[Point]) -> Option<(Self, RollingMisfit)> {
         let mut grip = self.clone();
         let places: Vec<([f64; 2], f64)> =
@@ -154,7 +155,7 @@ impl JudgedGrip {
             }
         }
         let correction_um = square.cholesky()?.solve(&right);
-        // A part does not leap.
+        // Limits the correction: the part does not jump.
         let longest_um = self.reach_um.min(self.tip_radius_um);
         let share = (longest_um / correction_um.norm()).min(1.0);
         correction_um.iter().all(|value| value.is_finite()).then_some(correction_um * share)
@@ -171,7 +172,8 @@ impl JudgedGrip {
         let tip_um = [cos * x_um + sin * y_um, cos * y_um - sin * x_um];
         let foot = surface.contour.foot_near(tip_um, hold.foot.way_um)?;
         let (normal_y, normal_x) = foot.normal_rad.sine_cosine();
-        // How the tip's place in the part's own coordinates changes with the shift along each axis and the turn.
+        // Derivatives of the tip's position in the part's coordinates with respect to the shift along each axis and
+        // the turn.
         let slopes = [[-cos, sin], [-sin, -cos], [tip_um[1] / self.reach_um, -tip_um[0] / self.reach_um]];
         let outward = Vector3::from(slopes.map(|[x, y]| normal_x * x + normal_y * y));
         let along = Vector3::from(slopes.map(|[x, y]| normal_x * y - normal_y * x));
@@ -204,7 +206,7 @@ impl JudgedGrip {
     }
 }
 
-/// Equations of one tip on the pose: a gap of zero, and no slip.
+/// Equations of one tip on the pose, as residuals with their gradients: a gap of zero, and no slip.
 struct Equation {
     foot: Foot,
     gap: Vector3<f64>,

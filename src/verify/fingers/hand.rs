@@ -1,7 +1,8 @@
-//! Which tips hold, come and leave, stretch by stretch.
+//! Follows, stretch by stretch, which tips hold, come and leave.
 //!
-//! A tip that was free and whose centre ends a stretch one radius from an outline of the part at rest is placed at that instant. A tip
-//! that held and goes off while others stay is removed. Tips that hold and move carry the part along.
+//! A free tip is placed at the instant at which a stretch ends with its centre one radius from an outline of the
+//! resting part. A holding tip is removed when it moves off while others stay. Holding tips that move carry the part
+//! along.
 
 use super::super::clock::JudgedRun;
 use super::super::evidence::{Clearance, GapUnit};
@@ -27,7 +28,7 @@ use std::f64::consts::TAU;
 /// How the part is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Held {
-    /// By its support, and possibly by fingers that have come.
+    /// By its support, and possibly by fingers that already touch.
     Supported,
     ByFingers,
 }
@@ -39,7 +40,7 @@ enum ReportedGrip {
     Weak,
 }
 
-/// Orientation of a part at the beginning of a step, and the turns since, by plane.
+/// Pose of the part at the beginning of a step, and its turns since then, by plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Since {
     pub pose: ObjectPose,
@@ -52,7 +53,7 @@ impl Since {
     }
 }
 
-/// A hand in the course of a run.
+/// A hand during the replay of a run.
 pub(super) struct JudgedHand<'r, 'a> {
     pub(super) run: &'r JudgedRun<'a>,
     pub(super) order: &'r FingersOrder,
@@ -62,16 +63,16 @@ pub(super) struct JudgedHand<'r, 'a> {
     pub(super) tips_um: Vec<Point>,
     pub(super) flights: Vec<Flight>,
     pub(super) paces: Vec<Pace>,
-    /// The last step in which a tip was called too fast.
+    /// The last step for which a tip was reported as too fast.
     pub(super) hurried: Option<usize>,
     held: Held,
     reported: ReportedGrip,
-    /// Turn of the grip when the step of the task began or the plane was changed, and the steps turned since.
+    /// Turn of the grip at the start of the step or at the last change of plane, and the contact steps turned since.
     pub(super) leg_rad: f64,
     pub(super) leg_steps: i64,
-    /// Steps of the turn before that, if it continues an earlier one.
+    /// Contact steps of an earlier turn that the present one may continue.
     pub(super) before_steps: i64,
-    /// When the last motion of the part in this step ended, or the step began.
+    /// End of the part's last motion in this step, or else the start of the step.
     pub(super) carried_ns: u64,
     pub(super) spans: Spans,
     pub(super) effort_rad: f64,
@@ -79,7 +80,7 @@ pub(super) struct JudgedHand<'r, 'a> {
 }
 
 impl<'r, 'a> JudgedHand<'r, 'a> {
-    /// Where everything is at first: where the last run of the device left it, or where the scene has the part.
+    /// The hand at the start of a run: as the device's last run left it, or with the part where the scene has it.
     pub fn new(
         run: &'r JudgedRun<'a>,
         order: &'r FingersOrder,
@@ -127,7 +128,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         })
     }
 
-    /// When a step ends.
+    /// The end of a step.
     pub(super) fn end_ns(&self, nth: usize) -> u64 {
         self.run.step(nth).end_ns()
     }
@@ -140,12 +141,12 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         surface_of(&self.body, self.grip.plane)
     }
 
-    /// Records the first state, and reports anything misplaced in it.
+    /// Records the first state and reports every tip that is misplaced in it.
     pub fn begin(&mut self, findings: &mut Findings) {
         let start_ns = self.run.plan.start_ns;
         self.spans.begin(start_ns, Due::Always, self.views());
         self.spans.end(start_ns);
-        // The load of this run may be another one than that of the run before.
+        // The load of this run may differ from that of the run before.
         if self.held == Held::ByFingers && !self.order.steps.is_empty() && !self.is_release(0) {
             self.check_hold(0, start_ns, findings);
         }
@@ -175,7 +176,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
     }
 
-    /// A step begins.
+    /// Begins a step of the task.
     pub fn begin_step(&mut self, nth: usize) {
         self.since = Since { pose: self.grip.pose(), turns_rad: [0.0; 2] };
         self.carried_ns = self.run.step(nth).start_ns;
@@ -186,7 +187,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         (self.leg_rad, self.leg_steps) = (self.grip.turn_rad(), 0);
     }
 
-    /// A step is over.
+    /// Ends a step of the task and checks its goal.
     pub fn finish_step(&mut self, nth: usize, findings: &mut Findings) {
         let end_ns = self.end_ns(nth);
         if self.grip.holds.len() >= 2 && !self.is_release(nth) {
@@ -207,14 +208,14 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         self.check_goal(nth, findings);
     }
 
-    /// The run is over.
+    /// Ends the run.
     pub fn finish(&mut self, findings: &mut Findings) {
         if let Some(last) = self.order.steps.len().checked_sub(1) {
             self.settle_paces(last, findings);
         }
     }
 
-    /// Goes along one stretch.
+    /// Replays one stretch.
     pub fn follow(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
         let due_um = clearance::apart_um(&self.order.facts) - self.order.facts.tolerance_um;
         let nearest = clearance::nearest(stretch)
@@ -236,7 +237,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
     }
 
-    /// Keeps a distance of two tips, where it is less than all before.
+    /// Records the distance between two tips if it is less than all before.
     fn note_apart(&self, stretch: &Stretch, pair: [usize; 2], apart_um: f64, share: f64) {
         let JudgedHand { run, order, .. } = self;
         run.tally.asked(Rule::Apart, 1);
@@ -263,7 +264,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         Err(self.run.violation(Rule::Wait, nth, stretch.start_ns, title).into())
     }
 
-    /// The fingers that leave: they go off while others stay.
+    /// The holding fingers that leave in this stretch: those that move off while others stay.
     fn leaving(&self, nth: usize, stretch: &Stretch) -> Vec<usize> {
         let tolerance_um = self.order.facts.tolerance_um;
         let (pose, plane) = (self.grip.pose(), self.grip.plane);
@@ -295,7 +296,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         self.grip.holds.iter().map(|hold| (hold.finger, ContactPoint::at(&hold.foot))).collect()
     }
 
-    /// The fingers that hold are in equilibrium.
+    /// The holding fingers are in equilibrium.
     pub(super) fn check_hold(&mut self, nth: usize, time_ns: u64, findings: &mut Findings) {
         findings.asked(Rule::Equilibrium, 1);
         let touches: Vec<ContactPoint> = self.touches().into_iter().map(|(_, touch)| touch).collect();
@@ -376,7 +377,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         Ok(())
     }
 
-    /// Free fingers move past a part at rest, and may touch it in the end.
+    /// Free fingers move past a resting part and may touch it at the end of the stretch.
     fn rest(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
         let (pose, order) = (self.grip.pose(), self.order);
         for finger in 0..self.flights.len() {
@@ -399,7 +400,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         Ok(())
     }
 
-    /// The plane in which a tip touches the part together with those that hold.
+    /// The plane in which a tip touches the part together with the holding fingers.
     fn touched(&self, nth: usize, tip_um: &Point, tips_um: &[Point]) -> Option<Plane> {
         let wanted = if self.grip.holds.is_empty() { planes_after(self.order, nth) } else { Vec::new() };
         let planes = wanted.into_iter().chain([self.grip.plane]).chain(self.body.planes());
@@ -413,7 +414,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         foot.is_some_and(|foot| (foot.distance_um - self.order.facts.tip_radius_um).abs() <= tolerance_um)
     }
 
-    /// Whether all fingers that hold do so in a plane, too.
+    /// Whether all holding fingers also touch the part's outline in a plane.
     pub(super) fn holds_in(&self, plane: Plane, tips_um: &[Point]) -> bool {
         plane == self.grip.plane || self.grip.holds.iter().all(|hold| self.touches_in(plane, &tips_um[hold.finger]))
     }
@@ -460,7 +461,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         Ok(())
     }
 
-    /// The same fingers hold in the other plane from now on, and a new turn begins.
+    /// Switches the grip to another plane with the same fingers; a new turn begins.
     pub(super) fn change_plane(&mut self, plane: Plane, tips_um: &[Point]) -> Result<(), Halt> {
         let grip = self.grip.anew(plane, &self.body, tips_um);
         self.grip = grip.ok_or_else(|| Unfit("the claims hold no outline in a plane of a turn".to_owned()))?;
@@ -468,7 +469,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         Ok(())
     }
 
-    /// Fingers come and leave where all that hold are on contacts that have numbers.
+    /// Fingers come and leave only while all holding fingers are on numbered contacts.
     fn check_contacts(&self, nth: usize, time_ns: u64, findings: &mut Findings) {
         findings.asked(Rule::Contact, self.grip.holds.len());
         let Some(surface) = self.body.surface(self.grip.plane) else { return };
@@ -487,7 +488,8 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
     }
 
-    /// Whether a tip is nearer to a part than permitted: for one that holds, elsewhere than at its contact.
+    /// A tip that is nearer to the part than permitted, if it is. For a holding tip the whole outline counts, not only
+    /// its contact.
     pub(super) fn strays(&self, finger: usize, pose: &ObjectPose, time_ns: u64, tips_um: &[Point]) -> Option<TipHit> {
         let facts = &self.order.facts;
         let tip_um = &tips_um[finger];
@@ -504,7 +506,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         (distance_um < due_um - facts.tolerance_um).then_some(TipHit { time_ns, distance_um, due_um })
     }
 
-    /// The state at the end of the run, in the record's terms.
+    /// The state at the end of the run, in the record's description.
     pub fn left(&self) -> State {
         let recorded = self.run.plan.states.last().map(|timed| &timed.state);
         chosen(self.views(), recorded)
@@ -518,13 +520,13 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         ])
     }
 
-    /// The states that the record should hold.
+    /// The states that the record should have.
     pub fn into_states(self) -> Vec<Cow<'a, TimedState>> {
         self.spans.states(self.run)
     }
 }
 
-/// The step of rotation that the device names.
+/// The device's nominal step of rotation.
 pub(super) fn nominal_step_rad(facts: &FingersFacts) -> f64 {
     TAU / f64::from(facts.steps_per_turn)
 }
@@ -534,7 +536,8 @@ fn surface_of(body: &PartOutlines, plane: Plane) -> Result<&Surface, Halt> {
     surface.ok_or_else(|| Unfit("the claims hold no outline in a plane of a turn".to_owned()).into())
 }
 
-/// The planes in which the contacts of a grasp may be meant: that of the next turn, or of the last one where none follows.
+/// The planes in which the contacts of a grasp may be numbered: those of the next turn, or of the last one if none
+/// follows.
 pub(super) fn planes_after(order: &FingersOrder, nth: usize) -> Vec<Plane> {
     let first = |action: &FingersAction| match action {
         FingersAction::Rotate { plane, .. } => vec![*plane],

@@ -1,12 +1,13 @@
 //! Replays the run of a hand from the positions of its stages alone.
 //!
-//! Input: a run whose steps and channels are sound. Output: its states and the outcomes. `track` assembles the axes, `body` gives
-//! distances to the part's outlines, `grip` solves for the pose in which all tips that hold touch and roll, `hand` follows
-//! stretch by stretch which tips hold, come and leave, `statics` decides by linear programs whether they hold the part,
-//! `clearance` checks distances of tips, `pace` their speeds, `goals` each step against the task and `states` the changes against the
-//! record. Promise: the record is read only to be compared; the first motion that does not roll ends the replay of its device.
-//! Equilibrium is checked after each finger that comes or leaves and, while tips roll, at both ends and the middle of each stretch, and
-//! in between so often that no tip moves more than a quarter of its radius from one sample to the next. Cost: for each sample a few
+//! Input: a run whose steps and channels are sound. Output: its states and the outcomes. `track` assembles the axes;
+//! `body` gives distances to the part's outlines; `grip` solves for the pose in which all holding tips touch and roll;
+//! `hand` follows stretch by stretch which tips hold, come and leave; `statics` decides by linear programs whether
+//! they hold the part; `clearance` checks distances of tips, and `pace` their speeds; `goals` checks each step against
+//! the task, and `states` the changes against the record. Promise: the record is read only for comparison; the first
+//! motion that does not roll ends the replay of its device. Equilibrium is checked after each finger that comes or
+//! leaves. While tips roll, it is checked at both ends and the middle of each stretch, and between them often enough
+//! that no tip moves more than a quarter of its radius from one sample to the next. Cost: for each sample a few
 //! distances to the outline and one linear program.
 
 mod body;
@@ -36,16 +37,16 @@ use body::{ObjectPose, PartOutlines};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use statics::{ContactPoint, Statics};
 
-/// A place or a direction in the hand's frame.
+/// A position or a direction in the hand's frame.
 type Point = Vector3<f64>;
 
-/// Tolerance of a recorded place.
+/// Tolerance of a recorded position.
 const PLACE_TOLERANCE_UM: f64 = 1e-3;
 
 /// Tolerance of a recorded orientation.
 const TURN_TOLERANCE_RAD: f64 = 1e-4;
 
-/// The share of its greatest force that each finger bears in pictures.
+/// Normal force per finger in pictures, as a fraction of the greatest force of a finger.
 const SHOWN_FORCE: f64 = 0.1;
 
 impl Judge for FingersOrder {
@@ -130,7 +131,7 @@ impl JudgedState for FingersState {
     }
 }
 
-/// Whether a recorded state is the replayed one, but for rounding.
+/// Whether a recorded state equals the replayed one, up to rounding.
 fn near(recorded: &FingersState, replayed: &FingersState) -> bool {
     let are_near = |one: &[f64; 3], other: &[f64; 3]| {
         one.iter().zip(other).all(|(one, other)| (one - other).abs() <= PLACE_TOLERANCE_UM)
@@ -149,17 +150,19 @@ fn near(recorded: &FingersState, replayed: &FingersState) -> bool {
         && matches!(turns, [Some(one), Some(other)] if one.angle_to(&other) <= TURN_TOLERANCE_RAD)
 }
 
-/// `None` where it is no unit quaternion, or one with a negative w.
+/// The orientation of a quaternion (w, x, y, z); `None` if it is not of unit length or has a negative w.
 fn orientation_of([w, x, y, z]: &[f64; 4]) -> Option<UnitQuaternion<f64>> {
     let quaternion = Quaternion::new(*w, *x, *y, *z);
     let is_unit = (quaternion.norm_squared() - 1.0).abs() <= TURN_TOLERANCE_RAD;
     (is_unit && *w >= -TURN_TOLERANCE_RAD).then(|| UnitQuaternion::from_quaternion(quaternion))
 }
 
-/// The force of each finger on the part in a held state, in the hand's frame and micronewtons; `None` for a free finger.
+/// The force of each finger on the part in a held state, in the hand's frame, in micronewtons; `None` for a free
+/// finger.
 ///
-/// Many forces balance a grasp: these are deepest inside the friction cones while their normal parts sum to a tenth of the fingers'
-/// capacity, or as nearly as possible. `None` if the state is none of the order's, or no forces balance.
+/// Many force distributions balance a grasp. Of those whose normal parts sum to a tenth of the fingers' capacity, or
+/// as nearly as possible, these forces are the deepest inside the friction cones. `None` if the state is not one of
+/// the order's, or no forces balance.
 pub fn forces(order: &FingersOrder, state: &State) -> Option<Vec<Option<[f64; 3]>>> {
     let State::Fingers(recorded) = state else { return None };
     let body = PartOutlines::of(&order.part, order.facts.tip_radius_um)?;

@@ -1,22 +1,22 @@
-//! Speeds of the tips.
+//! Speed limits of the tips.
 //!
-//! All axes of a hand begin their lines at the same instants, so within a stretch a tip moves steadily. Three speeds limit it: that of a
-//! free tip, the slower one near the contact that it approaches or leaves, and that of a tip that holds. Near means within the distance of
-//! retraction, or the clearance, without a break: that a tip is approaching is known only once it touches, so its path is
-//! kept until then.
+//! All axes of a hand begin their lines at the same instants, so within a stretch a tip moves at constant velocity.
+//! Three limits apply: that of a free tip, the lower one near the contact that it approaches or leaves, and that of a
+//! holding tip. Near means within the retraction distance or the clearance, whichever is larger, without a break.
+//! Whether a tip was approaching is known only once it touches, so its path is kept until then.
 
 use super::Point;
 use super::track::Stretch;
 use crate::device::fingers::FingersFacts;
 use std::mem::take;
 
-/// Relative excess of speed that is tolerated: durations are whole nanoseconds.
+/// Relative excess of speed that is tolerated, since durations are whole nanoseconds.
 const TOO_FAST: f64 = 1e-6;
 
 /// Rounding of the distance within which tips must be slow.
 const NEAR_UM: f64 = 1e-6;
 
-/// A straight path of a tip, without the stretches in which it rests.
+/// A straight segment of a tip's path; stretches in which it rests are left out.
 #[derive(Debug, Clone, Copy)]
 struct TipLeg {
     start_ns: u64,
@@ -25,10 +25,10 @@ struct TipLeg {
     um_per_s: f64,
 }
 
-/// A free finger since it left its last contact.
+/// The path of a free finger since it left its last contact.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pace {
-    /// The contact that it left, until it is far enough from it.
+    /// The contact that it left; `None` once it is far enough from it.
     left_um: Option<Point>,
     legs: Vec<TipLeg>,
 }
@@ -58,7 +58,7 @@ impl TipLeg {
         }
     }
 
-    /// Least distance of the leg from a place.
+    /// Least distance of the segment from a point.
     fn off_um(&self, place_um: &Point) -> f64 {
         let (along_um, off_um) = (self.to_um - self.from_um, place_um - self.from_um);
         let square = along_um.norm_squared();
@@ -67,29 +67,29 @@ impl TipLeg {
     }
 }
 
-/// Whether a place is so near to a contact that tips are slow there.
+/// Whether a distance from a contact is small enough for the lower speed limit.
 fn is_near(distance_um: f64, facts: &FingersFacts) -> bool {
     distance_um < facts.retract_um.max(facts.clearance_um) - NEAR_UM
 }
 
 impl Pace {
-    /// A finger that leaves a contact.
+    /// The path of a finger that leaves a contact.
     pub fn from(left_um: Point) -> Self {
         Pace { left_um: Some(left_um), legs: Vec::new() }
     }
 
-    /// A tip that holds moves along a stretch.
+    /// Checks the speed of a holding tip along a stretch.
     pub fn holds(stretch: &Stretch, finger: usize, facts: &FingersFacts) -> Result<(), Fast> {
         TipLeg::of(stretch, finger).against(facts.rolling_um_per_s, "holds")
     }
 
-    /// Ends the flight of a tip without a contact: the part moves, or the run ends.
+    /// Ends the flight of a tip without a contact, because the part moves or the run ends.
     pub fn settle(&mut self, facts: &FingersFacts) -> Result<(), Fast> {
         let legs = take(self).legs;
         legs.iter().try_for_each(|leg| leg.against(facts.speed_um_per_s, "is free"))
     }
 
-    /// A free tip moves along a stretch.
+    /// Checks the speed of a free tip along a stretch.
     pub fn follow(&mut self, stretch: &Stretch, finger: usize, facts: &FingersFacts) -> Result<(), Fast> {
         let leg = TipLeg::of(stretch, finger);
         if let Some(left_um) = self.left_um {
@@ -100,7 +100,8 @@ impl Pace {
         leg.against(facts.speed_um_per_s.max(facts.approach_um_per_s), "is free")
     }
 
-    /// The tip touches at a place: on the last part of its path there it was slow, before that at most as fast as a free one.
+    /// Ends the flight at a contact: the tip must have been slow on the last section of its path, and no faster than a
+    /// free one before.
     pub fn lands(&mut self, contact_um: &Point, facts: &FingersFacts) -> Result<(), Fast> {
         self.left_um = None;
         let legs = take(&mut self.legs);

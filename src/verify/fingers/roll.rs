@@ -1,6 +1,7 @@
-//! Tips that hold move: the part rolls between them, or is carried along.
+//! Motion of holding tips: the part rolls between them or is carried along.
 //!
-//! The plane of rolling follows from the motion: where all holding tips touch in both sections, it is the one that fits better.
+//! The plane of rolling follows from the motion: if all holding tips touch both sections, it is the one that fits
+//! better.
 
 use super::super::Halt;
 use super::super::rule::{Findings, Rule, ms};
@@ -15,7 +16,7 @@ use crate::claims::fingers::FingersAction;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 
-/// The longest path of a tip from one sample of a rolling motion to the next, as a share of its radius.
+/// The longest path of a tip from one sample of a rolling motion to the next, as a fraction of its radius.
 const SAMPLE: f64 = 0.25;
 
 /// Greatest number of samples of one stretch.
@@ -24,11 +25,11 @@ const MAX_SAMPLES: f64 = 2048.0;
 /// Difference of misfits below which the plane of rolling is undecided.
 const SAME_MISFIT_UM: f64 = 1e-9;
 
-/// Greatest distance of a turn from a whole number of steps, in steps.
+/// Greatest deviation of a turn from a whole number of steps, in steps.
 const GRID_STEPS: f64 = 1e-3;
 
 impl JudgedHand<'_, '_> {
-    /// Tips that hold move, and the part with them.
+    /// Moves holding tips along a stretch, and the part with them.
     pub(super) fn carry(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
         let time_ns = stretch.start_ns;
         findings.asked(Rule::Slip, 1);
@@ -55,7 +56,7 @@ impl JudgedHand<'_, '_> {
         self.count_steps(stretch.end_ns)
     }
 
-    /// Number of samples of a stretch: even, so that the middle is one.
+    /// Number of samples of a stretch; even, so that the middle is one of them.
     fn samples(&self, stretch: &Stretch) -> u32 {
         let line_um = |finger: usize| (stretch.to_um[finger] - stretch.from_um[finger]).norm();
         let longest_um = self.grip.holds.iter().map(|hold| line_um(hold.finger)).fold(0.0, f64::max);
@@ -63,9 +64,10 @@ impl JudgedHand<'_, '_> {
         2 * half.clamp(1.0, MAX_SAMPLES / 2.0) as u32
     }
 
-    /// The plane in which tips roll: any in which they touch, if it fits their motion better than the one in which they did.
+    /// The plane in which tips roll: the present one, unless another one in which they touch fits their motion better.
     ///
-    /// Tips that all go the same way carry the part without rolling, in whatever plane they hold it: it stays the one they rolled in.
+    /// Tips that all move in parallel carry the part without rolling, in whatever plane they hold it; the plane then
+    /// stays as it is.
     fn rolling_plane(&self, nth: usize, stretch: &Stretch) -> Plane {
         let way = |finger: usize| stretch.to_um[finger] - stretch.from_um[finger];
         let mut ways = self.grip.holds.iter().map(|hold| way(hold.finger));
@@ -94,7 +96,7 @@ impl JudgedHand<'_, '_> {
         best.0
     }
 
-    /// How badly a stretch fits a rolling motion in a plane.
+    /// Misfit of a stretch as a rolling motion in a plane; `None` if no such motion is found.
     fn fit_um(&self, plane: Plane, stretch: &Stretch) -> Option<f64> {
         let surface = self.body.surface(plane)?;
         let mut grip = match plane == self.grip.plane {
@@ -114,7 +116,7 @@ impl JudgedHand<'_, '_> {
         Some(misfit_um)
     }
 
-    /// Where the part is at a share of a stretch, and whether all is well there.
+    /// Moves the part to a fraction of a stretch and checks all rules there.
     fn sample(&mut self, nth: usize, stretch: &Stretch, share: f64, findings: &mut Findings) -> Result<(), Halt> {
         let (tips_um, time_ns) = (tips_at(stretch, share), stretch.instant_ns(share));
         findings.asked(Rule::Gap, self.grip.holds.len());
@@ -157,7 +159,7 @@ impl JudgedHand<'_, '_> {
         Err(violation.into())
     }
 
-    /// A turn reaches a whole number of steps.
+    /// Counts the steps of a turn once it reaches a whole number of them.
     fn count_steps(&mut self, time_ns: u64) -> Result<(), Halt> {
         let steps = (self.grip.turn_rad() - self.leg_rad) / self.surface()?.contact_step_rad();
         let whole = steps.round();
@@ -171,7 +173,7 @@ impl JudgedHand<'_, '_> {
         Ok(())
     }
 
-    /// Tips that hold move along a stretch, and maybe free ones too.
+    /// Checks the speeds of all tips along a stretch in which holding tips move.
     fn check_carrying_pace(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) {
         let facts = &self.order.facts;
         for finger in (0..self.paces.len()).filter(|finger| !stretch.rests(*finger)) {

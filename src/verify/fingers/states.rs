@@ -1,8 +1,8 @@
-//! When a hand's states change, and which of them the record should hold.
+//! The states of a hand between its changes, and which of them the record must have.
 //!
-//! A state lasts from the end of one change to the beginning of the next. The record gives an instant in between and a state that
-//! must be the replayed one. Where a grasp has two descriptions (the angle of a turn that is over, the contacts that
-//! two sections share) either is accepted.
+//! A state lasts from the end of one change to the beginning of the next. The record gives an instant within that span
+//! and a state that must equal the replayed one. Where a grasp has two descriptions (the angle of a turn that is over,
+//! the contacts that two sections share), either is accepted.
 
 use super::super::clock::JudgedRun;
 use super::super::judged_state;
@@ -25,7 +25,7 @@ pub(super) struct StateSpan {
     /// The beginning of the next change.
     pub until_ns: u64,
     pub due: Due,
-    /// The accepted descriptions of the state, the plainest first; at least one.
+    /// The accepted descriptions of the state, the simplest first; at least one.
     pub views: Vec<State>,
 }
 
@@ -36,12 +36,12 @@ pub(super) struct Spans {
 }
 
 impl Spans {
-    /// A change has ended.
+    /// Begins a state at the end of a change.
     pub fn begin(&mut self, from_ns: u64, due: Due, views: Vec<State>) {
         self.list.push(StateSpan { from_ns, until_ns: u64::MAX, due, views });
     }
 
-    /// A change begins: the last state is over after an instant.
+    /// Ends the last state at the beginning of a change.
     pub fn end(&mut self, until_ns: u64) {
         if let Some(last) = self.list.last_mut() {
             last.until_ns = last.until_ns.min(until_ns);
@@ -76,7 +76,7 @@ impl Spans {
     }
 }
 
-/// The view equal to the recorded one, or the plainest.
+/// The view equal to the recorded one, or else the simplest.
 pub(super) fn chosen(mut views: Vec<State>, recorded: Option<&State>) -> State {
     let at = recorded.and_then(|recorded| views.iter().position(|view| judged_state(recorded).agrees(view)));
     views.swap_remove(at.unwrap_or(0))

@@ -1,10 +1,11 @@
-//! Whether fingers hold the part still: equilibrium and removal as linear programs.
+//! Equilibrium of a grasp, and its resistance to the removal of a finger, as linear programs.
 //!
-//! Each contact bears a normal force, tangential forces in the plane of the section and across it, whose magnitudes add up to at most
-//! the friction, and a torque about its normal within `torsion`; where tips stick, both limits begin at the pull-off force. Forces and
-//! torques in space sum to zero with the load. Instead of only deciding whether such forces exist, the program finds those deepest inside
-//! all cones, and by how much they are inside: [`TOLERANCE`] below zero still holds, so that an exact balance passes. Tips that only push
-//! also balance by not touching at all, so without a load the normal parts are required to sum to 1.
+//! Each contact bears a normal force, tangential forces in the plane of the section and across it, whose magnitudes
+//! add up to at most the friction, and a torque about its normal within `torsion`; where tips stick, both limits begin
+//! at the pull-off force. Forces and torques in space balance the load. Instead of only deciding whether such forces
+//! exist, the program finds those deepest inside all cones and returns their depth. A depth of at least -[`TOLERANCE`]
+//! counts as held, so that an exact balance passes. Tips that only push are also in balance with zero forces, so
+//! without a load the normal forces must sum to 1.
 
 use super::super::geometry::contour::Foot;
 use super::Point;
@@ -14,17 +15,17 @@ use crate::device::fingers::{Adhesion, FingersFacts, Plane};
 use crate::real::Real;
 use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 
-/// Greatest excess of a force over its cone, as a share of the forces that matter: those that load, pull or hold.
+/// Greatest excess of a force over its cone, relative to the largest of the load, the pull and the pull-off force.
 pub(super) const TOLERANCE: f64 = 1e-6;
 
-/// Weight of a deviation from the wanted sum of normal forces, relative to the depth inside the cones; large, so that the sum takes
-/// precedence.
+/// Weight of a deviation from the wanted sum of normal forces, relative to the depth inside the cones; large, so that
+/// the sum takes precedence.
 const SUM_WEIGHT: f64 = 1e3;
 
-/// Share of a load, or of a lever, below which it counts as zero (rounding).
+/// Fraction of a load, or of a lever, below which it counts as zero (rounding).
 const ROUNDING: f64 = 1e-9;
 
-/// Where a tip touches, in section coordinates.
+/// The contact of a tip, in section coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ContactPoint {
     pub point_um: [f64; 2],
@@ -44,7 +45,7 @@ impl ContactPoint {
     }
 }
 
-/// The forces on a held part except those of its contacts, in section coordinates; micronewtons.
+/// The load on a held part, without the contact forces, in section coordinates and micronewtons.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Statics<'a> {
     order: &'a FingersOrder,
@@ -57,11 +58,11 @@ pub(super) struct Statics<'a> {
     reach_um: f64,
 }
 
-/// Pushes and pulls of one contact: along its inward normal and its tangent.
+/// Force variables of one contact, along its inward normal and its tangent.
 struct ContactForces {
     normal: Variable,
     tangential: Variable,
-    /// Where something acts out of the plane.
+    /// Variables out of the plane; `None` if the load has no such component.
     beyond: Option<Beyond>,
 }
 
@@ -72,7 +73,7 @@ struct Beyond {
     torque: Variable,
 }
 
-/// The force that pulls a tip off, in micronewtons.
+/// Pull-off force of a tip, in micronewtons; 0 for tips that do not stick.
 pub(super) fn pull_off_un(facts: &FingersFacts) -> f64 {
     if facts.adhesion == Adhesion::Sticking { facts.pull_off_un } else { 0.0 }
 }
@@ -88,32 +89,33 @@ impl<'a> Statics<'a> {
         Statics { order, load_un: [x, y], across_un: z, centre_um: [first, second], height_um, reach_um }
     }
 
-    /// In the plane and across it.
+    /// Magnitude of the load, in the plane and across it.
     fn size_un(&self) -> f64 {
         self.load_un[0].hypotenuse(self.load_un[1]).hypotenuse(self.across_un)
     }
 
-    /// Whether anything acts across the plane, or turns the part out of it.
+    /// Whether the load has a component across the plane, or a torque that turns the part out of it.
     fn is_of_space(&self) -> bool {
         let [x_un, y_un] = self.load_un;
         let torque_un_um = self.height_um.abs() * x_un.hypotenuse(y_un);
         self.across_un.abs().max(torque_un_um / self.reach_um) > ROUNDING * self.size_un()
     }
 
-    /// Whether contacts alone hold the part. Tips that only push must do so without the load too: a part that merely rests
-    /// on them is not held.
+    /// Whether the contacts alone hold the part. Tips that only push must also hold it without the load: a part that
+    /// merely rests on them is not held.
     pub fn holds(&self, touches: &[ContactPoint]) -> bool {
         let holds = |statics: &Statics| statics.margin(touches, None).is_some_and(|margin| margin >= -TOLERANCE);
         let sticks = pull_off_un(&self.order.facts) > 0.0;
         holds(self) && (sticks || holds(&Statics { load_un: [0.0; 2], across_un: 0.0, ..*self }))
     }
 
-    /// Whether contacts hold the part while a finger is pulled off elsewhere.
+    /// Whether the contacts hold the part while a finger is pulled off elsewhere.
     pub fn resists(&self, touches: &[ContactPoint], leaving: &ContactPoint) -> bool {
         self.margin(touches, Some(leaving)).is_some_and(|margin| margin >= -TOLERANCE)
     }
 
-    /// Depth inside their cones of the best forces that balance the load and the pull on a leaving contact; `None` if none balance.
+    /// Depth inside their cones of the best forces that balance the load and the pull on a leaving contact; `None` if
+    /// none balance.
     fn margin(&self, touches: &[ContactPoint], leaving: Option<&ContactPoint>) -> Option<f64> {
         let facts = &self.order.facts;
         let pull_un = pull_off_un(facts) * facts.removal_safety;
@@ -122,7 +124,7 @@ impl<'a> Statics<'a> {
         let unit_un = if is_idle { 1.0 } else { pull_off_un(facts).max(pull_un).max(load_un) };
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         let depth = problem.add_var(1.0, (f64::NEG_INFINITY, 1.0));
-        // Idle forces are unbounded in scale: only their sum is fixed.
+        // Without a load the scale of the forces is free: only their sum is fixed.
         let most = if is_idle { 2.0 } else { facts.max_force_un / unit_un };
         let bearings = self.bearings(&mut problem, touches, depth, unit_un, most);
         if is_idle {
@@ -137,7 +139,7 @@ impl<'a> Statics<'a> {
         Some(problem.solve().ok()?.into_solution().ok()?.var_value(depth))
     }
 
-    /// Forces of contacts in cones.
+    /// Adds variables and friction cones for the forces of the contacts.
     fn bearings(
         &self,
         problem: &mut Problem,
@@ -171,8 +173,8 @@ impl<'a> Statics<'a> {
         touches.iter().map(bearing).collect()
     }
 
-    /// Forces of a contact out of the plane. The lever of the load is known to the tolerance of contacts: a torque of
-    /// that size is ignored.
+    /// Adds variables and limits for the out-of-plane forces of a contact. The lever of the load is known only to the
+    /// tolerance of contacts, so a torque of that size is ignored.
     fn beyond(&self, problem: &mut Problem, normal: Variable, unit_un: f64, sticking: f64) -> Beyond {
         let facts = &self.order.facts;
         let across = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
@@ -185,7 +187,7 @@ impl<'a> Statics<'a> {
         Beyond { across, torque }
     }
 
-    /// Forces and torques about the centre of mass sum to zero.
+    /// Adds the balance of forces, and of torques about the centre of mass.
     fn balance(
         &self,
         problem: &mut Problem,
@@ -198,13 +200,13 @@ impl<'a> Statics<'a> {
         let mut add = |variable: Option<Variable>, parts: [f64; 6]| {
             for (row, part) in rows.iter_mut().zip(parts) {
                 match variable {
-                    // Rounding of a zero would only spoil the solver's scale.
+                    // A rounded zero would only spoil the solver's scale.
                     Some(variable) => row.0.push((variable, if part.abs() < ROUNDING { 0.0 } else { part })),
                     None => row.1 -= part / unit_un,
                 }
             }
         };
-        // A force along the section's axes and normal, and its torques about them, as forces at the part's reach.
+        // A force along the section's axes and normal, with its torques about them as forces at the part's reach.
         let force = |point_um: [f64; 2], [x, y, z]: [f64; 3]| {
             let [along, beside] = [0, 1].map(|axis| (point_um[axis] - self.centre_um[axis]) / self.reach_um);
             let behind = -self.height_um / self.reach_um;
@@ -220,7 +222,7 @@ impl<'a> Statics<'a> {
             }
         }
         let [x_un, y_un] = self.load_un;
-        // At the centre of mass, which is no lever.
+        // The load acts at the centre of mass and has no torque about it.
         add(None, [x_un, y_un, 0.0, self.across_un, 0.0, 0.0]);
         if let Some((point_um, [x_un, y_un])) = pull {
             add(None, force(point_um, [x_un, y_un, 0.0]));
@@ -231,8 +233,9 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// The forces of contacts on the part that are deepest inside the cones while their normal parts sum to `sum_un`, or as nearly as
-    /// can be: along the section's axes and across it, in micronewtons. `None` if none balance.
+    /// The forces of the contacts on the part that are deepest inside the cones while their normal parts sum to
+    /// `sum_un`, or as nearly as possible: along the section's axes and across it, in micronewtons. `None` if none
+    /// balance.
     pub fn forces_un(&self, touches: &[ContactPoint], sum_un: f64) -> Option<Vec<[f64; 3]>> {
         let unit_un = self.order.facts.max_force_un;
         let mut problem = Problem::new(OptimizationDirection::Maximize);

@@ -10,7 +10,7 @@ use crate::schedule::State;
 use crate::schedule::fingers::FingersState;
 
 impl JudgedHand<'_, '_> {
-    /// The fingers that hold, in words.
+    /// The holding fingers in words.
     pub(super) fn holding(&self) -> String {
         let contacts = self.contacts(self.grip.plane).unwrap_or_default();
         let contacts: Vec<String> = contacts.iter().map(u32::to_string).collect();
@@ -38,7 +38,7 @@ impl JudgedHand<'_, '_> {
         }
     }
 
-    /// Tells of the first tip of a step that is too fast.
+    /// Reports the first tip of a step that is too fast.
     pub(super) fn tell_pace(&mut self, nth: usize, finger: usize, kept: Result<(), Fast>, findings: &mut Findings) {
         findings.asked(Rule::Speed, 1);
         let Err(fast) = kept else { return };
@@ -51,7 +51,8 @@ impl JudgedHand<'_, '_> {
         }
     }
 
-    /// The numbers of the contacts in a plane, if all fingers that hold touch there.
+    /// The contact number of each finger in a plane, 0 for a free one; `None` unless all holding fingers touch the
+    /// outline there.
     pub(super) fn contacts(&self, plane: Plane) -> Option<Vec<u32>> {
         let surface = self.body.surface(plane)?;
         if !self.holds_in(plane, &self.tips_um) {
@@ -71,8 +72,8 @@ impl JudgedHand<'_, '_> {
         Some(contacts)
     }
 
-    /// All accepted descriptions of the present state: a finished turn may continue or a new one begin, and grasps on the
-    /// contacts that two sections share, or on none, hold in both.
+    /// All accepted descriptions of the present state. A turn may continue a finished one or be a new one, and grasps
+    /// on the contacts that two sections share, or on none, have a description in both.
     pub(super) fn views(&self) -> Vec<State> {
         let angle_index = self.leg_steps.saturating_add(1);
         let going_on = angle_index.saturating_add(self.before_steps);

@@ -1,8 +1,8 @@
 //! Positions of the tips of a hand at every instant of a run.
 //!
-//! Input: a run whose actuations `form` and `clock` found sound. Output: [`Tracks`], which give the straight motion of all tips stretch by
-//! stretch, from one instant at which any axis takes a new line to the next. Promise: every axis has exactly one value
-//! throughout the run, continues from its last position, and stays in its range.
+//! Input: a run whose actuations `form` and `clock` found sound. Output: [`Tracks`], which give the straight motion of
+//! all tips stretch by stretch; a new stretch begins when any axis takes a new line. Promise: every axis has exactly
+//! one value throughout the run, continues from its last position, and stays in its range.
 
 use super::super::clock::JudgedRun;
 use super::super::rule::{Rule, Violation, ms};
@@ -13,23 +13,23 @@ use crate::quantity::digits;
 use crate::schedule::Actuation;
 use std::collections::BTreeMap;
 
-/// Greatest jump of a position: rounding.
+/// Greatest jump of a position that counts as rounding.
 const JUMP_UM: f64 = 1e-6;
 
-/// One axis of one finger: its lines in order of time, without a gap.
+/// The lines of one axis of one finger, in order of time and without a gap.
 type FingerAxis<'a> = Vec<&'a Actuation>;
 
 /// All axes of a run, finger by finger.
 #[derive(Debug)]
 pub(super) struct Tracks<'a> {
     axes: Vec<FingerAxis<'a>>,
-    /// At which any axis takes a new line, and the last one of the run.
+    /// The instants at which any axis takes a new line, and the end of the run.
     instants_ns: Vec<u64>,
-    /// Where each axis stays in a run without time.
+    /// Position of each axis in a run of no duration.
     still_um: Vec<f64>,
 }
 
-/// From one instant to another all tips move on straight lines.
+/// An interval in which all tips move on straight lines.
 #[derive(Debug, Clone)]
 pub(super) struct Stretch {
     pub start_ns: u64,
@@ -39,27 +39,27 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
-    /// Whether a tip stays where it is.
+    /// Whether a tip does not move.
     pub fn rests(&self, finger: usize) -> bool {
         self.from_um[finger] == self.to_um[finger]
     }
 
-    /// Where a tip is at a share of the stretch, 0 to 1.
+    /// Position of a tip at a fraction of the stretch, 0 to 1.
     pub fn tip_um(&self, finger: usize, share: f64) -> Point {
         self.from_um[finger] + (self.to_um[finger] - self.from_um[finger]) * share
     }
 
-    /// The instant of a share.
+    /// The instant at a fraction of the stretch, 0 to 1.
     pub fn instant_ns(&self, share: f64) -> u64 {
         self.start_ns + ((self.end_ns - self.start_ns) as f64 * share) as u64
     }
 }
 
 impl<'a> Tracks<'a> {
-    /// Puts the actuations of a run together.
+    /// Assembles the axes from the actuations of a run.
     ///
     /// # Errors
-    /// At the first axis without a value, or with one that jumps or leaves its range.
+    /// At the first axis that has no value, jumps or leaves its range.
     pub fn of(run: &JudgedRun<'a>, order: &FingersOrder) -> Result<Self, Violation> {
         let mut axes: Vec<FingerAxis> = vec![Vec::new(); order.facts.fingers as usize * AXES.len()];
         let places = places(run, axes.len());
@@ -107,7 +107,7 @@ impl<'a> Tracks<'a> {
         Stretch { start_ns, end_ns, from_um: points(0).collect(), to_um: points(1).collect() }
     }
 
-    /// Where the tips are at first.
+    /// Positions of the tips at the start of the run.
     pub fn start_um(&self) -> Vec<Point> {
         match self.len() {
             0 => self.still_um.chunks(AXES.len()).map(|xyz| Point::new(xyz[0], xyz[1], xyz[2])).collect(),
@@ -127,7 +127,7 @@ fn places(run: &JudgedRun, axes: usize) -> BTreeMap<u32, usize> {
     run.schedule.channels.iter().enumerate().filter_map(place).collect()
 }
 
-/// Where each axis was left by the runs before.
+/// Last position of each axis in the earlier runs; `None` if it has none.
 fn before_um(run: &JudgedRun, places: &BTreeMap<u32, usize>, axes: usize) -> Vec<Option<f64>> {
     let mut last: Vec<Option<(u64, f64)>> = vec![None; axes];
     for line in run.schedule.actuations.iter().filter(|line| line.end_ns() <= run.plan.start_ns) {
@@ -173,7 +173,7 @@ fn in_range(run: &JudgedRun, order: &FingersOrder, at: usize, line: &Actuation) 
     Err(Violation::new(Rule::Range, line.start_ns, title).step(line.step as usize))
 }
 
-/// Exactly the ends at the ends, so that a line that stays does so in all its parts.
+/// Position of an axis at an instant. Exact at both ends, so that a line that rests has one value throughout.
 fn value_um(line: &Actuation, time_ns: u64) -> f64 {
     if time_ns >= line.end_ns() {
         return line.to;

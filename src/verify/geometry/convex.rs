@@ -1,14 +1,15 @@
-//! Distance of two convex bodies: the widest gap between their projections.
+//! Distance between two convex bodies: the widest gap between their projections (separating axes).
 //!
-//! Input: the corners of each body in order round it, in micrometres; one is a point, two are a segment. Output: their distance, 0 where
-//! they meet. On every line the projections of two convex bodies are no farther apart than the bodies, and on one line they are as far: on
-//! one that runs across an edge, or from a corner of one body to a corner of the other (the dual of the least distance of two points). So
-//! each line examined gives a lower bound, and the greatest is exact but for a few roundings.
+//! Input: the corners of each body in order round it, in micrometres; one is a point, two are a segment. Output: their
+//! distance, 0 where they meet. On every line, the projections of two convex bodies are no farther apart than the
+//! bodies. On one line they are exactly as far apart; it is perpendicular to an edge, or runs from a corner of one
+//! body to a corner of the other (the dual of the least distance of two points). So each line examined gives a lower
+//! bound, and the greatest is exact up to a few roundings.
 
 use crate::geometry::fault::{Fault, through};
 use nalgebra::{Point2, Vector2};
 
-/// The distance of two bodies; infinite if one has no corner.
+/// The distance between two bodies; infinite if one has no corner.
 pub fn apart_um(one: &[Point2<f64>], other: &[Point2<f64>]) -> f64 {
     if one.is_empty() || other.is_empty() {
         return f64::INFINITY;
@@ -19,13 +20,13 @@ pub fn apart_um(one: &[Point2<f64>], other: &[Point2<f64>]) -> f64 {
     through(Fault::JudgedDistance, apart_um)
 }
 
-/// Each corner with the next one, the last with the first.
+/// Each corner with the next one, and the last with the first.
 pub fn sides(corners: &[Point2<f64>]) -> impl Iterator<Item = [Point2<f64>; 2]> + '_ {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
 
-/// A point of each body that are nearest to each other, for bodies that are apart: a corner of one of them, and a point on a side of the
-/// other. Hollows do no harm here. `None` if one has no corner.
+/// The nearest points of two bodies that are apart: a corner of one of them, and a point on a side of the other. The
+/// bodies may be concave. `None` if one has no corner.
 pub fn nearest_points(one: &[Point2<f64>], other: &[Point2<f64>]) -> Option<[Point2<f64>; 2]> {
     let to_sides = |corners: &[Point2<f64>], body: &[Point2<f64>]| {
         let pairs: Vec<[Point2<f64>; 2]> = corners
@@ -43,7 +44,7 @@ fn nearest_of_side([from, to]: [Point2<f64>; 2], point: Point2<f64>) -> Point2<f
     from + (to - from) * share_of_side([from, to], point)
 }
 
-/// The share of a side at which it is nearest to a point; 0 for a side without length.
+/// The fraction of a side at which it is nearest to a point; 0 for a side without length.
 pub fn share_of_side([from, to]: [Point2<f64>; 2], point: Point2<f64>) -> f64 {
     let (way, square) = (to - from, (to - from).norm_squared());
     if square > 0.0 { ((point - from).dot(&way) / square).clamp(0.0, 1.0) } else { 0.0 }

@@ -1,9 +1,10 @@
-//! The verifier's own geometry: a second implementation of all of [`crate::geometry`] that decides whether a schedule is correct.
+//! The verifier's own geometry: a second implementation of everything in [`crate::geometry`] that decides whether a
+//! schedule is correct.
 //!
-//! Planners measure with `crate::geometry`, and so does the checker, which derives the claims. If the verifier did so too, a distance that
-//! is 15 um too great there would accept a plan that runs into an obstacle. So it takes from there only the types of the claims
-//! ([`Shape`](crate::geometry::Shape), [`Pose`](crate::geometry::Pose), [`Outline`](crate::geometry::outline::Outline): numbers), and
-//! measures by other methods:
+//! Planners measure with `crate::geometry`, and so does the checker, which derives the claims. If the verifier did so
+//! too, a bug there that makes a distance 15 um too great would let it accept a plan that hits an obstacle. So it
+//! takes only the types of the claims from there ([`Shape`](crate::geometry::Shape), [`Pose`](crate::geometry::Pose),
+//! [`Outline`](crate::geometry::outline::Outline), all plain numbers) and measures by other methods:
 //!
 //! | question | planners and checker | verifier |
 //! |---|---|---|
@@ -12,8 +13,9 @@
 //! | contact of a tip on an outline | boxes, then Newton's method | [`contour`]: bounds by the path, then regula falsi |
 //! | rolled distance of a tip | tables of polynomials of the path | [`contour`]: integrated on demand |
 //!
-//! The two agree to about 1e-9 um where coordinates are below [`MAX_EXTENT_UM`](crate::geometry::shape::MAX_EXTENT_UM); planners keep a
-//! margin for that. `tests` compare the two, and put faults into either one.
+//! The two agree to about 1e-9 um where coordinates are below
+//! [`MAX_EXTENT_UM`](crate::geometry::shape::MAX_EXTENT_UM); planners keep a margin for that. `tests` compare the two
+//! and inject faults into each.
 
 pub(super) mod contour;
 pub(super) mod convex;

@@ -1,7 +1,7 @@
-//! Obstacles in their places, not grown.
+//! Obstacles in their places, without inflation.
 //!
-//! Input: a shape and a pose of the claims, in micrometres and radians. Output: the distance of a convex body from the obstacle. Nothing
-//! is grown: callers compare the gap with the required clearance.
+//! Input: a shape and a pose of the claims, in micrometres and radians. Output: the distance of a convex body from the
+//! obstacle. Obstacles are not inflated: callers compare the gap with the required clearance.
 
 use super::super::boxes::Extent;
 use super::convex::{apart_um, nearest_points, sides, towards};
@@ -11,24 +11,24 @@ use crate::geometry::{Pose, Shape};
 use crate::real::Real;
 use nalgebra::Point2;
 
-/// A shape in its place: all points within a radius of its frame.
+/// A placed shape: all points within a radius of its frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solid {
     frame: Frame,
     radius_um: f64,
 }
 
-/// The corners of a shape.
+/// The corners of a shape, in scene coordinates.
 #[derive(Debug, Clone, PartialEq)]
 enum Frame {
     /// A point, a segment, or a convex polygon.
     Convex(Vec<Point2<f64>>),
-    /// A filled polygon that may have hollows.
+    /// A filled polygon that may be concave.
     Outline(Vec<Point2<f64>>),
 }
 
 impl Solid {
-    /// Puts a shape in its place. `None` if it has none: a number is out of range, or a polygon has fewer than three corners.
+    /// Places a shape. `None` if it is invalid: a number is out of range, or a polygon has fewer than three corners.
     pub fn of(shape: &Shape, pose: &Pose) -> Option<Solid> {
         let (corners, radius_um) = parts(shape);
         let numbers = [pose.x_um, pose.y_um, pose.heading_rad, radius_um];
@@ -52,14 +52,14 @@ impl Solid {
         is_sound.then_some(Solid { frame, radius_um })
     }
 
-    /// Its bounding box.
+    /// Bounding box.
     pub fn extent(&self) -> Extent {
         match &self.frame {
             Frame::Convex(corners) | Frame::Outline(corners) => Extent::of(corners).widened(self.radius_um),
         }
     }
 
-    /// Distance of a convex body, its corners in order, from the obstacle; where they overlap, some number of 0 or below.
+    /// Distance of a convex body, its corners in order, from the obstacle; 0 or a negative number if they overlap.
     pub fn gap_um(&self, body: &[Point2<f64>]) -> f64 {
         let apart_um = match &self.frame {
             Frame::Convex(corners) => apart_um(corners, body),
@@ -68,7 +68,7 @@ impl Solid {
         apart_um - self.radius_um
     }
 
-    /// The point of the obstacle, and that of a convex body apart from it, that are nearest to each other; `None` for a body without corners.
+    /// The nearest points of the obstacle and of a convex body apart from it; `None` for a body without corners.
     pub fn nearest_points(&self, body: &[Point2<f64>]) -> Option<[Point2<f64>; 2]> {
         let (Frame::Convex(corners) | Frame::Outline(corners)) = &self.frame;
         let [ours, theirs] = nearest_points(corners, body)?;
@@ -90,7 +90,8 @@ fn parts(shape: &Shape) -> (Vec<[f64; 2]>, f64) {
     }
 }
 
-/// A body that meets no side of an outline is entirely within it or entirely outside. One that contains all of the outline meets its sides.
+/// Distance of a convex body from a filled polygon. A body that meets no side is entirely inside or entirely outside;
+/// one that contains the whole polygon meets its sides.
 fn apart_from_outline_um(corners: &[Point2<f64>], body: &[Point2<f64>]) -> f64 {
     if body.first().is_some_and(|point| winds_round(corners, *point)) {
         return 0.0;
@@ -102,8 +103,8 @@ fn apart_from_outline_um(corners: &[Point2<f64>], body: &[Point2<f64>]) -> f64 {
     })
 }
 
-/// Whether an outline runs round a point, in either sense: its sides cross the ray to the right more often one way than the other. On
-/// the outline itself either answer may come.
+/// Whether an outline has a non-zero winding number round a point: its sides cross the ray to the right more often one
+/// way than the other. For a point on the outline, either answer is possible.
 fn winds_round(corners: &[Point2<f64>], point: Point2<f64>) -> bool {
     let crossing = |[a, b]: [Point2<f64>; 2]| {
         let is_left = (b - a).perp(&(point - a));

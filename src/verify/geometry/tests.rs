@@ -1,4 +1,5 @@
-//! The verifier's distances against the planners', on bodies of every size that are apart, touch, overlap or are degenerate.
+//! The verifier's distances compared with the planners', on bodies of every size that are apart, touch, overlap or are
+//! degenerate.
 
 use super::convex::{apart_um, nearest_points};
 use super::solid::Solid;
@@ -8,12 +9,12 @@ use crate::geometry::{Pose, Rounded, Shape};
 use nalgebra::{Point2, Vector2};
 use proptest::prelude::*;
 
-/// Tolerance between the two measures, for coordinates of this size.
+/// Tolerance between the two implementations, for coordinates of this size.
 fn rounding_um(size_um: f64) -> f64 {
     1e-15 * size_um * 40.0
 }
 
-/// Coordinates of which many are equal, so that bodies touch, lie on one line, or are points.
+/// Coordinates with many equal values, so that bodies touch, are collinear, or are points.
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => (-4..=4i32).prop_map(f64::from),
@@ -27,7 +28,7 @@ fn point() -> impl Strategy<Value = Point2<f64>> {
     (coordinate(), coordinate()).prop_map(|(x, y)| Point2::new(x, y))
 }
 
-/// A rectangle in any direction, its corners in order; it may have no width, or no length either.
+/// A rectangle in any direction, its corners in order; its width, or both its sides, may be zero.
 fn rectangle() -> impl Strategy<Value = [Point2<f64>; 4]> {
     let angle = prop_oneof![(0..8i32).prop_map(|eighth| f64::from(eighth).to_radians() * 45.0), 0.0..7.0f64];
     let size = prop_oneof![Just(0.0), Just(1.0), 0.0..8.0f64, Just(1e-9)];
@@ -41,7 +42,7 @@ fn rectangle() -> impl Strategy<Value = [Point2<f64>; 4]> {
 
 fn shape() -> impl Strategy<Value = Shape> {
     let size = || prop_oneof![Just(0.0), Just(2.0), 0.0..9.0f64, Just(1e-9), Just(1e5)];
-    // Simple polygons, some with hollows, in either sense.
+    // Simple polygons, some of them concave, in either orientation.
     let star = (prop::collection::vec(0.5..6.0f64, 3..12), any::<bool>()).prop_map(|(radii_um, is_reversed)| {
         let count = radii_um.len() as f64;
         let corner = |(at, radius): (usize, &f64)| {
@@ -123,7 +124,7 @@ proptest! {
         }
     }
 
-    /// The ends of a ruler are on both bodies, and as far apart as these.
+    /// The nearest points lie on the two bodies and are as far apart as these.
     #[test]
     fn nearest_points_are_as_far_apart_as_the_bodies(
         (shape, pose) in (shape(), pose()),
@@ -145,7 +146,7 @@ proptest! {
         }
     }
 
-    /// If a body grown by planners touches, the verifier finds a distance of at most the growth.
+    /// A body grown by planners touches exactly if the verifier finds a distance of at most the growth.
     #[test]
     fn growing_an_obstacle_is_keeping_away_from_it(
         (shape, pose, growth_um) in (shape(), pose(), 0.0..5.0f64),
@@ -155,7 +156,7 @@ proptest! {
         let rectangle = crate::geometry::section::Rectangle { min_um: [x, y], max_um: [x + width, y + height] };
         let swept = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)].map(|(x, y)| Point2::new(x, y));
         let gap_um = solid.gap_um(&swept);
-        // Within the margin that planners keep either answer may come.
+        // Within the margin that planners keep, either answer is possible.
         prop_assume!((gap_um - growth_um).abs() > 1e-9);
         prop_assert_eq!(body.touches(&rectangle), gap_um <= growth_um);
     }
@@ -206,7 +207,7 @@ fn distances_by_hand() {
     }
     // Collinear segments, which no side separates.
     assert_eq!(apart_um(&[p(0.0, 0.0), p(1.0, 0.0)], &[p(3.0, 0.0), p(4.0, 0.0)]), 2.0);
-    // A hollow is outside, and so is a body in it.
+    // A cavity is outside, and so is a body in it.
     let cup = Shape::Polygon {
         points_um: vec![
             [-2.0, -2.0],

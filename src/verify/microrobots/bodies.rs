@@ -1,6 +1,6 @@
 //! Distance of two bodies, or the depth of their overlap.
 //!
-//! Input: rectangles and points in micrometres. Output: distances in micrometres, exact but for rounding.
+//! Input: rectangles and points in micrometres. Output: distances in micrometres, exact up to rounding.
 
 use crate::real::Real;
 use nalgebra::{Point2, Vector2};
@@ -20,7 +20,7 @@ impl JudgedBody {
         Vector2::new(-self.along.y, self.along.x)
     }
 
-    /// The corners, in order around it.
+    /// The corners, in order round the body.
     pub fn vertices(&self) -> [Point2<f64>; 4] {
         let (length, width) = (self.along * self.half_um[0], self.across() * self.half_um[1]);
         [length + width, width - length, -length - width, length - width].map(|corner| self.centre + corner)
@@ -32,7 +32,7 @@ impl JudgedBody {
         beyond(self.along, self.half_um[0]).hypotenuse(beyond(self.across(), self.half_um[1]))
     }
 
-    /// The distance of two bodies; where they overlap, the negative of the least shift that parts them.
+    /// The distance between two bodies; if they overlap, the negative of the least shift that separates them.
     pub fn gap_um(&self, other: &JudgedBody) -> f64 {
         let axes = [self.along, self.across(), other.along, other.across()];
         let apart_um = axes.iter().map(|axis| self.apart_along_um(other, *axis)).fold(f64::NEG_INFINITY, f64::max);
@@ -53,7 +53,7 @@ impl JudgedBody {
         (other.centre - self.centre).dot(&axis).abs() - half_um(self) - half_um(other)
     }
 
-    /// The area covered by a body that moves straight on along its heading.
+    /// The area swept by a body that moves straight along its heading.
     pub fn stretched(&self, way_um: f64) -> JudgedBody {
         let [length_um, width_um] = self.half_um;
         let centre = self.centre + self.along * (way_um / 2.0);

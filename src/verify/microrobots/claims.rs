@@ -1,6 +1,7 @@
-//! Assumptions of the replay about claims on microrobots.
+//! Assumptions of the replay about the claims of microrobots.
 //!
-//! Input: an order. Output: nothing, or why no run can be checked against it. Claims of the checker always pass.
+//! Input: an order. Output: nothing, or the reason why no run can be checked against it. Claims of the checker always
+//! pass.
 
 use super::super::Unfit;
 use super::super::geometry::solid::Solid;

@@ -1,10 +1,11 @@
 //! Distances of robots from obstacles, from one another, and from the discs of orbits.
 //!
-//! Input: the trains of a run, with the motion of each robot. Output: every approach below the clearance. A robot that keeps its arm down
-//! for a whole turn or more, over legs that no wait separates, occupies all of the disc about the middle of its circle for that long. Two
-//! robots may come nearer than the clearance if one of them is on the last part of its path before it docks, and the other one is docked by
-//! then. Promise: that of `sweep`; paths are examined as they are driven, all robots at the same share of the same train. Cost: for each
-//! train the pairs of robots and the obstacles about each; few evaluations where there is room.
+//! Input: the trains of a run, with the motion of each robot. Output: every approach below the clearance. A robot that
+//! keeps its arm down for a whole turn or more, over legs without a wait between them, orbits: it occupies the whole
+//! disc about the centre of its circle for that time. Two robots may come nearer than the clearance if one of them is
+//! on the last section of its path before it docks, and the other one is docked by then. Promise: that of `sweep`;
+//! paths are examined as they are driven, with all robots at the same fraction of the same train. Cost: for each train
+//! the pairs of robots and the obstacles near each; few evaluations where there is ample room.
 
 use super::super::Halt;
 use super::super::boxes::{Extent, GroupedBoxes};
@@ -19,26 +20,26 @@ use nalgebra::Point2;
 use rustc_hash::FxHashSet;
 use std::f64::consts::TAU;
 
-/// Part of a turn that may be missing from a whole one because of rounding.
+/// Shortfall of a turn that still counts as a whole turn, for rounding.
 const ROUNDING_TURN_RAD: f64 = 1e-9;
 
-/// Margin added to a body when boxes are compared, so that rounding never hides a contact.
+/// Margin added to a body when boxes are compared, so that rounding cannot hide a contact.
 const BOX_MARGIN_UM: f64 = 1e-3;
 
-/// The disc that an orbiting robot takes.
+/// The disc that an orbiting robot occupies.
 #[derive(Debug, Clone, Copy)]
 struct TakenDisc {
     centre: Point2<f64>,
     reach_um: f64,
 }
 
-/// Reported at most once in a run: a rule, a robot, and another robot or an obstacle.
+/// Key of a violation that is reported at most once in a run: the rule, a robot, and another robot or an obstacle.
 type ReportedMeeting = (Rule, usize, usize);
 
 /// Checks all trains of a run.
 ///
 /// # Errors
-/// When the run cannot be judged in a reasonable time.
+/// If the run cannot be judged in a reasonable time.
 pub(super) fn check(bed: &JudgedBed, findings: &mut Findings) -> Result<(), Halt> {
     let mut watch = Watch::new(bed, findings);
     let orbits = orbits(bed);
@@ -54,7 +55,7 @@ pub(super) fn check(bed: &JudgedBed, findings: &mut Findings) -> Result<(), Halt
     Ok(())
 }
 
-/// For each train the discs of the robots that orbit in it.
+/// For each train, the robots that orbit in it with their discs.
 fn orbits(bed: &JudgedBed) -> Vec<Vec<(usize, TakenDisc)>> {
     let mut orbits: Vec<Vec<(usize, TakenDisc)>> = vec![Vec::new(); bed.trains.len()];
     for robot in 0..bed.places.len() {
@@ -78,7 +79,7 @@ fn orbits(bed: &JudgedBed) -> Vec<Vec<(usize, TakenDisc)>> {
     orbits
 }
 
-/// The clearances checked in each train.
+/// The clearance checks of a run, train by train.
 pub(super) struct Watch<'b, 'r, 'a, 'f> {
     bed: &'b JudgedBed<'r, 'a>,
     findings: &'f mut Findings,
@@ -116,12 +117,12 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         Ok(())
     }
 
-    /// Obstacles that may lie nearer than a distance to a disc.
+    /// Indices of the obstacles that may be nearer than a distance to a point.
     pub fn about(&self, centre: Point2<f64>, within_um: f64) -> Vec<usize> {
         self.boxes.meeting(&Extent::of(&[centre]).widened(within_um + BOX_MARGIN_UM))
     }
 
-    /// A body that moves keeps its clearance from obstacles.
+    /// A moving body keeps its clearance from obstacles.
     fn obstacles(&mut self, train: &JudgedTrain, robot: usize, ride: &Ride) -> Result<(), Endless> {
         let needed_um = self.bed.order.facts.clearance_um;
         let (centre, radius_um) = ride.disc([0.0, 1.0]);
@@ -155,7 +156,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         Ok(())
     }
 
-    /// Two bodies of which one moves keep their clearance, but on the last stretch before a docking.
+    /// Two bodies of which at least one moves keep their clearance, except on the last stretch before docking.
     fn pair(&mut self, index: usize, train: &JudgedTrain, robots: [usize; 2]) -> Result<(), Endless> {
         let rides = robots.map(|robot| &train.rides[robot]);
         let meeting = (Rule::Meet, robots[0], robots[1]);
@@ -189,7 +190,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         Ok(())
     }
 
-    /// From which share of a train on two robots may touch: 1 if they may not.
+    /// The fraction of a train from which on two robots may touch; 1 if they may not.
     pub fn docking_from(&self, index: usize, train: &JudgedTrain, [one, other]: [usize; 2]) -> f64 {
         let fine = self.bed.order.facts.fine;
         let from = |robot: usize, other: usize| {
@@ -213,7 +214,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         for obstacle in self.about(disc.centre, disc.reach_um + needed_um) {
             let solid = &self.solids[obstacle];
             let gap_um = solid.gap_um(&[disc.centre]) - disc.reach_um;
-            // Indices of obstacles follow those of robots, so that the two are distinct.
+            // Indices of obstacles follow those of robots, so that keys do not collide.
             let meeting = (Rule::Orbit, robot, train.rides.len() + obstacle);
             if gap_um < needed_um - ROUNDING_UM && !self.reported.contains(&meeting) {
                 let name = format!("`{}`", self.bed.order.obstacles[obstacle].name);
@@ -273,7 +274,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         })
     }
 
-    /// A violation at a share of a train.
+    /// A violation at a fraction of a train.
     fn violation(&self, rule: Rule, train: &JudgedTrain, share: f64, title: impl FnOnce(&str) -> String) -> Violation {
         let stroke = (share * train.leg.strokes as f64) as u64;
         let after_ns = stroke.saturating_mul(self.bed.order.facts.period_ns);
@@ -287,7 +288,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 }
 
-/// The distance of two bodies in the course of a train.
+/// The distance between two bodies during a train.
 pub(super) fn pair_gap<'t>(
     [one, other]: [&'t Ride; 2],
 ) -> SweptGap<impl Fn(f64) -> f64 + 't, impl Fn([f64; 2]) -> f64 + 't> {

@@ -1,10 +1,11 @@
-//! Replays the run of microrobots from the voltage of the bed alone: levels into arms, strokes into paths, paths into swept areas.
+//! Replays the run of microrobots from the voltage of the bed alone: levels become arm positions, strokes paths, and
+//! paths swept areas.
 //!
-//! Input: a run whose steps and channels are sound, and the places of the robots. Output: their states and the outcomes. `voltage`
-//! turns the actuations into legs, this file follows them and checks stops and dockings against the steps, and `clearance` checks the
-//! distances of bodies and orbits. Promise: the record is read only to be compared; the first leg whose arms or poses are not certain ends
-//! the replay of its device. Cost: for each leg the levels times the table's rows, the pairs of robots, and the obstacles near
-//! each robot.
+//! Input: a run whose steps and channels are sound, and the poses of the robots. Output: their states and the
+//! outcomes. `voltage` turns the actuations into legs, this file follows them and checks stops and dockings against
+//! the steps, and `clearance` checks the distances of bodies and orbits. Promise: the record is read only for
+//! comparison; the first leg whose arms or poses are not certain ends the replay of its device. Cost: for each leg the
+//! levels times the table's rows, the pairs of robots, and the obstacles near each robot.
 
 mod bodies;
 mod claims;
@@ -36,13 +37,13 @@ use std::collections::BTreeMap;
 use sweep::ROUNDING_UM;
 use voltage::VoltageLeg;
 
-/// Tolerance of a recorded place: above the rounding on the longest path of one `apply`, 100 m.
+/// Tolerance of a recorded position: above the rounding on the longest path of one `apply`, 100 m.
 const PLACE_TOLERANCE_UM: f64 = 1e-4;
 
 /// Tolerance of a recorded heading.
 const HEADING_TOLERANCE_RAD: f64 = 1e-6;
 
-/// Rounding of a heading that does not count as a breach of a precision.
+/// Rounding of a heading that does not count as a violation of a precision.
 const ROUNDING_RAD: f64 = 1e-9;
 
 /// Greatest number of robots named in a description of a state.
@@ -160,7 +161,7 @@ impl JudgedState for MicrorobotsState {
     }
 }
 
-/// Whether a recorded pose is the replayed one, but for rounding.
+/// Whether a recorded pose equals the replayed one, up to rounding.
 fn near(recorded: &RecordedPose, replayed: &RecordedPose) -> bool {
     let off_um = (recorded.x_um - replayed.x_um).hypotenuse(recorded.y_um - replayed.y_um);
     let off_rad = turn_between(recorded.heading_rad(), replayed.heading_rad());
@@ -174,13 +175,13 @@ struct JudgedTrain {
     leg: VoltageLeg,
     /// One for each robot of the order.
     rides: Vec<Ride>,
-    /// Number of waits before it: an arm that goes up in one begins a new turn.
+    /// Number of waits before it. An arm that goes up during a wait begins a new turn.
     waits: usize,
-    /// Before this train, in the run.
+    /// Strokes of the run before this train.
     strokes_before: u64,
 }
 
-/// A bed in the course of a run.
+/// A bed during the replay of a run.
 struct JudgedBed<'r, 'a> {
     run: &'r JudgedRun<'a>,
     order: &'r MicrorobotsOrder,
@@ -188,7 +189,8 @@ struct JudgedBed<'r, 'a> {
     rest: usize,
     /// One for each robot of the order, like `docked`.
     places: Vec<RobotPlace>,
-    /// Number of trains in the run after which the robot docks, 0 if it is docked before; `None` if it is not.
+    /// Number of trains of the run after which the robot docks, 0 if it is docked from the start; `None` if it is not
+    /// docked.
     docked: Vec<Option<usize>>,
     trains: Vec<JudgedTrain>,
     waits: usize,
@@ -199,7 +201,7 @@ struct JudgedBed<'r, 'a> {
 }
 
 impl<'r, 'a> JudgedBed<'r, 'a> {
-    /// Where the robots stand at first: where the last run of the device left them, or where the scene has them.
+    /// The bed at the start of a run: robots are where the device's last run left them, or where the scene has them.
     fn new(run: &'r JudgedRun<'a>, order: &'r MicrorobotsOrder, standing: &Standing) -> Self {
         let left = match standing.get(run.job.device.as_str()) {
             Some(State::Microrobots(MicrorobotsState { poses, docked, .. })) => Some((poses, docked)),
@@ -228,7 +230,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         &self.order.robot(robot).name
     }
 
-    /// When a step ends.
+    /// The end of a step.
     fn end_ns(&self, nth: usize) -> u64 {
         self.run.step(nth).end_ns()
     }
@@ -239,7 +241,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         Ok(())
     }
 
-    /// Robots move with the strokes of some legs; after each, those that are to dock may do so.
+    /// Drives the strokes of some legs. After each leg, the robots of `docks` may dock.
     fn follow(&mut self, nth: usize, legs: &[VoltageLeg], docks: &[Dock], findings: &mut Findings) -> Result<(), Halt> {
         for leg in legs {
             self.record(leg.start_ns, leg.control)?;
@@ -257,7 +259,8 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         Ok(())
     }
 
-    /// Strokes that are driven with the arm of a docked robot down: the friction of the arm would turn the structure about it.
+    /// The violation of strokes that are driven while the arm of a docked robot is down: the arm's friction would turn
+    /// the structure about it.
     fn twist(&self, nth: usize, leg: &VoltageLeg) -> Option<Violation> {
         let arm = |robot: usize| self.order.states[leg.control].arms[self.order.robots[robot].row];
         let robot = (0..self.places.len()).find(|robot| self.docked[*robot].is_some() && arm(*robot) == Arm::Down)?;
@@ -283,14 +286,14 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         }
     }
 
-    /// Whether a robot is as near to a pose as the task wants it.
+    /// Whether a robot is at a pose within the precision of the task.
     fn is_at(&self, place: RobotPlace, pose: &Pose) -> bool {
         let [off_um, off_rad] = place.off(pose);
         let precision = self.order.precision;
         off_um <= precision.place_um + ROUNDING_UM && off_rad <= precision.heading_rad + ROUNDING_RAD
     }
 
-    /// Robots that are at their goals dock if they touch a docked one, or one another.
+    /// Docks the robots that are at their goals and touch a docked robot or one another.
     fn dock(&mut self, docks: &[Dock]) {
         let body = |robot: usize| {
             let facts = self.order.robot(robot);
@@ -310,7 +313,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         docking.into_iter().for_each(|robot| self.docked[robot] = Some(self.trains.len()));
     }
 
-    /// An `apply` is one leg of its state, for as many strokes as its duration takes.
+    /// An `apply` is one leg in its control state, with as many strokes as its duration takes.
     fn applied(&self, nth: usize, legs: &[VoltageLeg], state: usize, duration_ns: u64, findings: &mut Findings) {
         findings.asked(Rule::Apply, 1);
         let step = self.run.step(nth);
@@ -329,7 +332,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         findings.push(self.run.violation(Rule::Apply, nth, step.start_ns, title));
     }
 
-    /// A robot comes by its stops in order, at ends of legs, and ends at the last one.
+    /// A robot passes its stops in order, each at the end of a leg, and ends at the last one.
     fn stops(&self, nth: usize, from: usize, robot: usize, stops: &[MicrorobotsStop], findings: &mut Findings) {
         findings.asked(Rule::Goal, stops.len());
         let starts = self.trains[from..].iter().map(|train| train.rides[robot].start);
@@ -363,7 +366,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         )
     }
 
-    /// The robots of an assembly are docked in the end, at their goals.
+    /// The robots of an assembly end docked, at their goals.
     fn assembled(&self, nth: usize, docks: &[Dock], findings: &mut Findings) {
         findings.asked(Rule::Dock, docks.len());
         for Dock { robot, goal } in docks {
@@ -405,7 +408,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         }
     }
 
-    /// The state of a bed without voltage: all arms are up.
+    /// Records the state of a bed without voltage, with all arms up.
     fn record_rest(&mut self, t_ns: u64) -> Result<(), Halt> {
         self.record(t_ns, self.rest)
     }
@@ -419,13 +422,13 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
     }
 }
 
-/// One for each leg, one for each wait, and one for the end.
+/// Number of states that the record must have: one for each leg, one for each wait, and one for the end.
 fn due_states(order: &MicrorobotsOrder, legs: &[Vec<VoltageLeg>]) -> u64 {
     let waits = order.steps.iter().filter(|step| matches!(step.action, MicrorobotsAction::Wait(_))).count();
     (waits + 1 + legs.iter().map(Vec::len).sum::<usize>()) as u64
 }
 
-/// The radius of a robot's turn, positive to the right.
+/// The turning radius of a robot, positive for a turn to the right.
 fn curve_um(robot: &Robot) -> f64 {
     match robot.turning {
         Turning::Clockwise => robot.turning_radius_um,

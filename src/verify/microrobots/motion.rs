@@ -1,7 +1,8 @@
-//! Where strokes carry robots: the unicycle, in the coordinates of the paper.
+//! Motion of robots by strokes: the unicycle model, in the coordinates of the paper.
 //!
-//! A heading here is counted from +y, clockwise, and a curve is the radius of a turn, positive for a turn to the right; so x' = sin, y' =
-//! cos (equation 4 of the paper). Input: a place, a curve and a path length. Output: the place after it, exact but for rounding.
+//! Here a heading is measured clockwise from +y, and a curve is a turning radius, positive for a turn to the right; so
+//! x' = sin, y' = cos (equation 4 of the paper). Input: a pose, a curve and a path length. Output: the pose after it,
+//! exact up to rounding.
 
 use super::bodies::JudgedBody;
 use crate::geometry::Pose;
@@ -10,11 +11,11 @@ use crate::schedule::microrobots::RecordedPose;
 use nalgebra::{Point2, Vector2};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Where a robot is.
+/// Pose of a robot, in the coordinates of the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RobotPlace {
     pub at: Point2<f64>,
-    /// From +y, clockwise.
+    /// Heading, clockwise from +y.
     pub theta_rad: f64,
 }
 
@@ -23,13 +24,13 @@ impl RobotPlace {
         RobotPlace { at: Point2::new(pose.x_um, pose.y_um), theta_rad: FRAC_PI_2 - pose.heading_rad }
     }
 
-    /// As in states: x, y and the heading from +x, counter-clockwise, between -180 and 180 degrees.
+    /// The pose as recorded in states: x, y, and the heading counter-clockwise from +x, between -180 and 180 degrees.
     pub fn recorded(self) -> RecordedPose {
         let heading_rad = turn_between(0.0, FRAC_PI_2 - self.theta_rad);
         RecordedPose::from(Pose { x_um: self.at.x, y_um: self.at.y, heading_rad })
     }
 
-    /// After a path length, on a curve or straight on.
+    /// The pose after a path length, on a curve or straight.
     pub fn driven(self, curve_um: Option<f64>, way_um: f64) -> RobotPlace {
         let (sin, cos) = self.theta_rad.sine_cosine();
         let Some(curve_um) = curve_um else {
@@ -41,13 +42,13 @@ impl RobotPlace {
         RobotPlace { at, theta_rad: theta_rad.rem_euclid(TAU) }
     }
 
-    /// The middle of the circle of a turn.
+    /// The centre of the circle of a turn.
     pub fn centre(self, curve_um: f64) -> Point2<f64> {
         let (sin, cos) = self.theta_rad.sine_cosine();
         self.at + Vector2::new(cos, -sin) * curve_um
     }
 
-    /// The distance to a pose, in micrometres and in radians.
+    /// Distance from a pose and absolute angle to its heading, in micrometres and radians.
     pub fn off(self, pose: &Pose) -> [f64; 2] {
         let goal = RobotPlace::of(pose);
         [(self.at - goal.at).norm(), turn_between(self.theta_rad, goal.theta_rad).abs()]
@@ -60,20 +61,20 @@ pub(super) fn turn_between(from_rad: f64, to_rad: f64) -> f64 {
     if turn_rad > TAU / 2.0 { turn_rad - TAU } else { turn_rad }
 }
 
-/// Motion of a body in one train of strokes; its share runs from 0 to 1.
+/// Motion of a body in one train of strokes. Its methods take fractions of the path, from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ride {
     pub start: RobotPlace,
-    /// `None` with the arm up.
+    /// Turning radius, positive to the right; `None` with the arm up.
     pub curve_um: Option<f64>,
-    /// 0 for a body that rests.
+    /// Path length; 0 for a body that rests.
     pub way_um: f64,
     /// Half of the body's length and width.
     pub half_um: [f64; 2],
 }
 
 impl Ride {
-    /// The body at a share of the path.
+    /// The body at a fraction of the path.
     pub fn body(&self, share: f64) -> JudgedBody {
         let place = self.start.driven(self.curve_um, self.way_um * share);
         let (sin, cos) = place.theta_rad.sine_cosine();
@@ -85,12 +86,12 @@ impl Ride {
         self.half_um[0].hypotenuse(self.half_um[1])
     }
 
-    /// The radius of the disc about the middle of its circle that the body never leaves.
+    /// Radius of the disc about the centre of its circle that the body never leaves.
     pub fn disc_radius_um(&self, curve_um: f64) -> f64 {
         (curve_um.abs() + self.half_um[1]).hypotenuse(self.half_um[0])
     }
 
-    /// No point of the body moves farther than this on the whole path.
+    /// Upper bound on the path length of any point of the body.
     pub fn travel_um(&self) -> f64 {
         match self.curve_um {
             None => self.way_um,
@@ -98,13 +99,13 @@ impl Ride {
         }
     }
 
-    /// The straight path of every point of the body; `None` if the body turns.
+    /// The straight displacement of every point of the body; `None` if the body turns.
     pub fn shift(&self) -> Option<Vector2<f64>> {
         let (sin, cos) = self.start.theta_rad.sine_cosine();
         (self.curve_um.is_none() || self.way_um == 0.0).then(|| Vector2::new(sin, cos) * self.way_um)
     }
 
-    /// A disc that contains the body between two shares of the path.
+    /// A disc that contains the body between two fractions of the path, as centre and radius.
     pub fn disc(&self, [from, to]: [f64; 2]) -> (Point2<f64>, f64) {
         let half_way_um = self.way_um * (to - from) / 2.0;
         let middle = self.start.driven(self.curve_um, self.way_um * (from + to) / 2.0);
@@ -117,7 +118,7 @@ impl Ride {
         }
     }
 
-    /// The ride without the turns after the first one, and its share of the path.
+    /// The ride cut off after its first full turn, and its fraction of the whole path.
     pub fn once_round(&self) -> (Ride, f64) {
         let whole_um = self.curve_um.map_or(f64::INFINITY, |curve_um| TAU * curve_um.abs());
         if self.way_um <= whole_um {

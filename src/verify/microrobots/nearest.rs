@@ -1,8 +1,9 @@
-//! How near robots come to obstacles and to one another, for the record of what was verified.
+//! Least distances of robots from obstacles and from one another, for the evidence.
 //!
-//! Paths are followed as by [`super::clearance`], whose rules hold before this is asked. Where a path cannot be measured at once it is
-//! bisected, until no part of it can come nearer than the least distance found by more than a tolerance; a run that needs very many
-//! looks is measured more coarsely, and the record says how far off it may be.
+//! Paths are followed as in [`super::clearance`], whose rules hold before this module is called. A path that cannot be
+//! bounded at once is bisected, until no part of it can be nearer than the least known distance by more than a
+//! tolerance. A run that needs very many evaluations is measured more coarsely, and the evidence states the error
+//! bound.
 
 use super::JudgedBed;
 use super::JudgedTrain;
@@ -15,14 +16,14 @@ use crate::verify::geometry::convex::nearest_points;
 use crate::verify::rule::{Findings, Rule};
 use nalgebra::Point2;
 
-/// By how much a distance may be found too great at first, and by how much more each time that the looks run out.
+/// Initial tolerance of a distance, and the factor by which it grows each time that the evaluations run out.
 const TOLERANCE_UM: f64 = 0.01;
 const COARSER: f64 = 10.0;
 
-/// Looks that one tolerance has in a run.
+/// Evaluations per tolerance in a run.
 const LOOKS: u64 = 1 << 17;
 
-/// The least distances of a run.
+/// The search for the least distances of a run.
 struct Nearest<'w, 'b, 'r, 'a, 'f> {
     watch: &'w Watch<'b, 'r, 'a, 'f>,
     bed: &'b JudgedBed<'r, 'a>,
@@ -30,7 +31,7 @@ struct Nearest<'w, 'b, 'r, 'a, 'f> {
     looks: u64,
 }
 
-/// Keeps the least distances of a run whose clearances are kept.
+/// Records the least distances of a run without clearance violations.
 pub(super) fn note(bed: &JudgedBed, findings: &mut Findings) {
     let watch = Watch::new(bed, findings);
     let mut nearest = Nearest { watch: &watch, bed, tolerance_um: TOLERANCE_UM, looks: LOOKS };
@@ -44,7 +45,7 @@ pub(super) fn note(bed: &JudgedBed, findings: &mut Findings) {
             }
         }
     }
-    // What was passed over may be nearer by as much as the coarsest tolerance.
+    // Parts of paths that were pruned may be nearer by as much as the coarsest tolerance.
     let (tally, device) = (&nearest.bed.run.tally, &nearest.bed.run.job.device);
     for rule in [Rule::Graze, Rule::Meet] {
         tally.off_by(rule, device, nearest.tolerance_um);
@@ -93,7 +94,8 @@ impl Nearest<'_, '_, '_, '_, '_> {
         self.keep(Rule::Meet, robots.map(|robot| self.bed.name(robot).to_owned()), train, share, least_um, points);
     }
 
-    /// The least distance of a stretch, and the share of the path at which it is, if it is less than a limit.
+    /// The least distance within a span of a path, and the fraction at which it occurs, as (fraction, distance);
+    /// `None` if it is not below a limit.
     fn least<G, F>(&mut self, gap: &SweptGap<G, F>, span: [f64; 2], below_um: f64) -> Option<(f64, f64)>
     where
         G: Fn(f64) -> f64,
@@ -105,7 +107,7 @@ impl Nearest<'_, '_, '_, '_, '_> {
             return None;
         }
         let mut open = vec![span];
-        // The ends are looked at as well: a path is nearest there as often as not.
+        // The ends are evaluated as well, because the least distance is often there.
         for share in span {
             let gap_um = (gap.at)(share);
             if gap_um < below_um {
@@ -131,7 +133,7 @@ impl Nearest<'_, '_, '_, '_, '_> {
         least
     }
 
-    /// Each look counts; when all are used, the rest of the run is measured more coarsely.
+    /// Counts an evaluation. When all are used, the rest of the run is measured more coarsely.
     fn look(&mut self) {
         match self.looks.checked_sub(1) {
             Some(left) => self.looks = left,

@@ -1,11 +1,13 @@
-//! Possible positions of the steering arms under a voltage, when each transition voltage is known only to plus or minus a margin.
+//! Possible positions of the steering arms under a voltage, when each transition voltage is known only within a
+//! margin.
 //!
-//! Input: the levels of the bed, one after the other. Output: for each arm up, down, or unknown. Promise: an arm reported as up or
-//! down is so for every combination of transition voltages within their margins, from any initial positions.
+//! Input: the levels of the bed, one after another. Output: for each arm up, down, or unknown. Promise: an arm
+//! reported as up or down is so for every combination of transition voltages within their margins, from any initial
+//! positions.
 
 use crate::device::microrobots::{Arm, MicrorobotsFacts, Robot};
 
-/// Below this two voltages count as one, for the rounding of levels that lie right on their limits.
+/// Voltages that differ by less count as equal, for the rounding of levels exactly at their limits.
 const ROUNDING_V: f64 = 1e-9;
 
 /// The arms of all rows of the table.
@@ -17,19 +19,19 @@ pub(super) struct Relays<'f> {
 }
 
 impl<'f> Relays<'f> {
-    /// Nothing is known of any arm.
+    /// Arms in unknown positions.
     pub fn new(facts: &'f MicrorobotsFacts) -> Relays<'f> {
         Relays { facts, arms: vec![None; facts.robots.len()] }
     }
 
-    /// The bed is at a level for long enough that arms follow it.
+    /// Applies a level that lasts long enough for the arms to follow it.
     pub fn visit(&mut self, level_v: f64) {
         for (robot, arm) in self.facts.robots.iter().zip(&mut self.arms) {
             *arm = after(robot, self.facts.margin_v, level_v, *arm);
         }
     }
 
-    /// The row of the first arm that is not known.
+    /// The row of the first arm whose position is unknown.
     pub fn unknown(&self) -> Option<usize> {
         self.arms.iter().position(Option::is_none)
     }
@@ -41,7 +43,7 @@ impl<'f> Relays<'f> {
         rows.position(|(robot, arm)| after(robot, margin_v, level_v, *arm) != *arm)
     }
 
-    /// The row of the first arm that is not surely up.
+    /// The row of the first arm that is not certainly up.
     pub fn not_up(&self) -> Option<usize> {
         self.arms.iter().position(|arm| *arm != Some(Arm::Up))
     }

@@ -1,21 +1,23 @@
-//! Whether a moving body ever comes too near another: by bisecting its path.
+//! Whether a moving body ever comes too near another one, by bisection of its path.
 //!
-//! Input: a distance as a function of the share of the path, and the greatest rate of its change. Output: a place where it is too small, if
-//! any. The distance in the middle of a stretch, less the greatest change on half of the stretch, bounds all of it from below; where that
-//! is not enough, both halves are examined, down to stretches on which less than [`RESOLUTION_UM`] can be lost. Promise: a body that keeps
-//! its distance is never refused; one that comes nearer by more than [`RESOLUTION_UM`] always is. Cost: logarithmic in the path length
-//! where the distance is ample; of the order of path length over resolution where a body slides along at the very limit.
+//! Input: a distance as a function of the fraction of the path, and its greatest change along the whole path. Output:
+//! a point of the path where the distance is too small, if any. The distance in the middle of a span, less the
+//! greatest change over half of the span, is a lower bound for the whole span. Where that is not enough, both halves
+//! are examined, down to spans on which less than [`RESOLUTION_UM`] can be lost. Promise: a body that keeps its
+//! distance is never rejected; one that comes nearer by more than [`RESOLUTION_UM`] always is. Cost: logarithmic in
+//! the path length where the distance is ample; of the order of path length over resolution where a body slides along
+//! exactly at the limit.
 
 /// Approach below the clearance that may remain undetected.
 const RESOLUTION_UM: f64 = 5e-4;
 
-/// Rounding that is no breach.
+/// Rounding error that does not count as a violation.
 pub(super) const ROUNDING_UM: f64 = 1e-6;
 
 /// Greatest number of evaluations in one run before the verifier gives up on it.
 const MAX_LOOKS: u64 = 1 << 24;
 
-/// The evaluations left.
+/// The remaining evaluations.
 #[derive(Debug)]
 pub(super) struct Looks(u64);
 
@@ -25,11 +27,11 @@ impl Default for Looks {
     }
 }
 
-/// The run is such that it cannot be judged in a reasonable time.
+/// The run cannot be judged in a reasonable time.
 #[derive(Debug)]
 pub(super) struct Endless;
 
-/// A place where the distance is too small, as a share of the path, and the distance.
+/// A point of a path, as a fraction of it, where the distance is too small, with that distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SweptTouch {
     pub share: f64,
@@ -38,19 +40,19 @@ pub(super) struct SweptTouch {
 
 /// A distance that changes along a path.
 pub(super) struct SweptGap<G, F> {
-    /// Its value at a share of the path.
+    /// The distance at a fraction of the path.
     pub at: G,
-    /// Something that it never falls below between two shares, and that is cheaper to know.
+    /// A lower bound on the distance between two fractions of the path, cheaper than `at`.
     pub floor: F,
     /// Greatest change of the distance on the whole path.
     pub travel_um: f64,
 }
 
 impl<G: Fn(f64) -> f64, F: Fn([f64; 2]) -> f64> SweptGap<G, F> {
-    /// A place between two shares of the path where it is less than needed.
+    /// A point between two fractions of the path where the distance is less than needed.
     ///
     /// # Errors
-    /// If all evaluations are used up, or the path is so long that bisection is below the resolution of a double.
+    /// If all evaluations are used up, or the path is so long that bisection reaches the resolution of a double.
     pub fn below(&self, span: [f64; 2], needed_um: f64, looks: &mut Looks) -> Result<Option<SweptTouch>, Endless> {
         let mut open = vec![span];
         while let Some([from, to]) = open.pop() {

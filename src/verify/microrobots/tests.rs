@@ -1,4 +1,4 @@
-//! The parts of the replay alone, each compared with a simpler method.
+//! Unit tests of the replay's modules, each compared with a simpler method.
 
 use super::bodies::JudgedBody;
 use super::motion::{Ride, RobotPlace, turn_between};
@@ -17,7 +17,8 @@ fn robot([snap_down_v, release_v]: [f64; 2], turning: Turning) -> Robot {
     Robot { snap_down_v, release_v, turning, ..fixture::robot("D", 130.0, 0.5) }
 }
 
-/// The arms that the relays of a robot can end in, at the ends of both margins and from both arms.
+/// The positions in which the arm of a robot can end, for both extremes of both margins and from both initial
+/// positions.
 fn extremes(robot: &Robot, margin_v: f64, levels: &[f64]) -> Vec<Arm> {
     let signs = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)];
     let end = |((snap, release), first): ((f64, f64), Arm)| {
@@ -86,7 +87,7 @@ proptest! {
         prop_assert!((gap_um - other.gap_um(&one)).abs() < 1e-9);
         let distance = quadrilateral_core(one.vertices(), &Core::Polygon(other.vertices().to_vec()));
         prop_assert!((distance - gap_um.max(0.0)).abs() < 1e-9, "{distance} {gap_um}");
-        // Along every direction the shadows are no farther apart than the gap, and along one they are.
+        // In every direction the projections are no farther apart than the gap, and in one they are as far.
         let best = (0..7200).map(|at| {
             let (sin, cos) = (f64::from(at) * TAU / 7200.0).sin_cos();
             let shadow = |corner: Point2<f64>| corner.x * cos + corner.y * sin;

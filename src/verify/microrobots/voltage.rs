@@ -1,8 +1,8 @@
 //! Effect of the bed's voltage on the arms: control cycles and trains of strokes.
 //!
-//! Input: a run. Output: its legs, each with the control state in which its strokes are driven. Promise: in each leg every arm is
-//! certainly up or down, as a control state of the claims has it, and no stroke moves it, however many there are: a level that
-//! leaves all arms as they are does so again when repeated. Outside of actuations the bed is at 0 V.
+//! Input: a run. Output: its legs, each with the control state in which its strokes are driven. Promise: in each leg
+//! every arm is certainly up or down, as in a control state of the claims, and no stroke moves it, however many there
+//! are: a level that leaves all arms unmoved does so again when repeated. Outside of actuations the bed is at 0 V.
 
 use super::super::clock::JudgedRun;
 use super::super::rule::{Findings, Rule, Violation, ms};
@@ -19,7 +19,7 @@ pub(super) struct VoltageLeg {
     /// When its strokes begin.
     pub train_ns: u64,
     pub strokes: u64,
-    /// Index of the order's states.
+    /// Index of the control state among the order's states.
     pub control: usize,
 }
 
@@ -59,12 +59,12 @@ pub(super) fn legs(
     Ok(legs)
 }
 
-/// The bed in the course of a run.
+/// The bed during the replay of a run.
 struct DrivenBed<'r, 'a> {
     run: &'r JudgedRun<'a>,
     order: &'r MicrorobotsOrder,
     relays: Relays<'r>,
-    /// The first state of each pattern of arms.
+    /// Index of the first control state with each pattern of arms.
     controls: FxHashMap<&'r [Arm], usize>,
 }
 
@@ -73,7 +73,7 @@ impl DrivenBed<'_, '_> {
         &self.order.facts.robots[row].name
     }
 
-    /// The bed is without voltage, which brings all arms up.
+    /// Sets the bed to 0 V, which must bring all arms up.
     fn rest(&mut self, time_ns: u64, nth: Option<usize>) -> Result<(), Violation> {
         self.run.tally.asked(Rule::Arm, self.relays.arms.len());
         self.relays.visit(0.0);
@@ -129,7 +129,7 @@ impl DrivenBed<'_, '_> {
         Ok(legs)
     }
 
-    /// Between the actuations of a step no time is lost; if it is, the bed is at 0 V.
+    /// No time is lost between the actuations of a step; if it is, the bed is at 0 V.
     fn gap(&mut self, nth: usize, from_ns: u64, to_ns: u64, findings: &mut Findings) {
         findings.asked(Rule::Idle, 1);
         if from_ns == to_ns {
@@ -140,7 +140,7 @@ impl DrivenBed<'_, '_> {
         findings.push(self.run.violation(Rule::Idle, nth, from_ns, title));
     }
 
-    /// A level of a control cycle.
+    /// Checks and applies a level of a control cycle.
     fn level(&mut self, nth: usize, actuation: &Actuation) -> Result<(), Violation> {
         self.run.tally.asked(Rule::Level, 1);
         let Actuation { start_ns, duration_ns, from, to, .. } = *actuation;
@@ -160,7 +160,7 @@ impl DrivenBed<'_, '_> {
         Err(self.run.violation(Rule::Level, nth, start_ns, title))
     }
 
-    /// A train of strokes.
+    /// Checks a train of strokes and returns its leg.
     fn train(
         &self,
         nth: usize,
@@ -199,7 +199,7 @@ impl DrivenBed<'_, '_> {
         Ok(VoltageLeg { start_ns, train_ns, strokes: actuation.duration_ns / swing.period_ns, control })
     }
 
-    /// The control state of the claims that has the arms as they are.
+    /// The control state of the claims with the present arm positions.
     fn control(&self, nth: usize, train_ns: u64) -> Result<usize, Violation> {
         let arms: Vec<Arm> = self.relays.arms.iter().flatten().copied().collect();
         self.controls.get(arms.as_slice()).copied().ok_or_else(|| {

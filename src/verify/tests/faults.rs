@@ -1,7 +1,8 @@
-//! Faults in measures of planners and the checker, or in the verifier's: the build refuses in either case.
+//! Faults injected into the measures of planners and checker, or into those of the verifier: the build fails in either
+//! case.
 //!
-//! Each program is planned with one wrong measure and judged with the right ones; then the other way round. Were a measure shared,
-//! both would be wrong alike and the build would report success.
+//! Each program is planned with one wrong measure and judged with the right ones, and vice versa. If the two sides
+//! shared a measure, both would be wrong alike and the build would report success.
 
 use super::*;
 use crate::check::Options;
@@ -50,7 +51,7 @@ fn built(text: &str) -> Built {
     }
 }
 
-/// The program of the report: a straight path past a grain of dust.
+/// The program of the bug report: a straight path past a grain of dust.
 fn dust() -> String {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/found/common-mode.twz");
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{path}: {error}"))
@@ -71,7 +72,7 @@ device fleet : m.bed
 scene field { robot D1 at pose(0 mm, 0 mm, 90 deg) }
 task t on fleet in field { apply state 2 for 2 s }";
 
-/// The goal is 0.28 um from a bead, and the tip needs 0.39 um.
+/// The goal is 0.28 um from a bead; the tip needs 0.39 um.
 const GOAL: &str = "use std.dimibot
 device bot : dimibot.femto_st { left: 5, right: 5, tip_radius: 0.3 um }
 scene bench { obstacle bead : disc { radius: 0.8 um } at (6.2 um, 5 um) }
@@ -87,7 +88,7 @@ task go on bot {
   move to (12 um, 12 um)
 }";
 
-/// Two tips end 0.8 um from each other, and need 0.58 um.
+/// Two tips end 0.8 um from each other; they need 0.58 um.
 const MEET: &str = "use std.dimibot
 device left : dimibot.femto_st { left: 5, right: 5, tip_radius: 0.2 um }
 device right : left { }
@@ -140,7 +141,7 @@ fn without_a_fault_these_programs_are_verified_or_have_no_plan() {
     assert_eq!(built(GOAL), Built::Stopped(vec!["E0502"]));
 }
 
-/// Builds with a fault; some rule must be broken, and this one among them.
+/// Asserts that a build with a fault is rejected, with this rule among those broken.
 #[track_caller]
 fn refused_for(text: &str, fault: Fault, wrong: Wrong, rule: Rule) {
     match with(fault, wrong, || built(text)) {
@@ -149,7 +150,7 @@ fn refused_for(text: &str, fault: Fault, wrong: Wrong, rule: Rule) {
     }
 }
 
-/// Builds with a fault that spoils claims, so that nothing can be judged by them.
+/// Asserts that a build with a fault that corrupts the claims is inconclusive.
 #[track_caller]
 fn inconclusive_for(text: &str, fault: Fault, wrong: Wrong, expected: &str) {
     match with(fault, wrong, || built(text)) {
@@ -199,7 +200,7 @@ fn faults_in_figures_of_hands_are_noticed() {
     inconclusive_for(BEAN, Fault::Step, [3.0, 0.0], "the device's step apart");
 }
 
-/// A fault in the verifier alone refuses a correct schedule.
+/// A fault in the verifier alone makes it reject a correct schedule.
 #[test]
 fn faults_of_the_verifier_are_noticed() {
     let dust = dust();

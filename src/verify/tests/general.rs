@@ -8,7 +8,7 @@ use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{Actuation, Swing};
 use crate::source::Span;
 
-/// A program with two devices: bot fetches, then bot returns while arm waves, then after 7 ms bot nods.
+/// A program with two devices: bot fetches; bot returns while arm waves; after 7 ms bot nods.
 fn day() -> Claims {
     let bot = || facts(3, 3);
     let fetch = order(
@@ -148,7 +148,7 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
     }),
 ];
 
-/// These edits leave the day's schedule sound.
+/// Edits that leave the day's schedule sound.
 const NEAR_MISSES: &[(&str, Edit)] = &[
     ("a bound that is 0 and no optimum", |s| (s.plans[0].bound, s.plans[0].optimal) = (0.0, false)),
     ("an optimum that is not called so", |s| s.plans[0].optimal = false),
@@ -164,7 +164,7 @@ const NEAR_MISSES: &[(&str, Edit)] = &[
     ("other words for a step", |s| s.steps[0].text = "go".into()),
 ];
 
-/// Moves a run with all that is in it.
+/// Shifts a run with everything in it.
 fn shift(schedule: &mut Schedule, plan: usize, by_ns: u64) {
     schedule.plans[plan].start_ns += by_ns;
     schedule.plans[plan].states.iter_mut().for_each(|state| state.t_ns += by_ns);

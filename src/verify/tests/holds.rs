@@ -14,7 +14,7 @@ fn output(pulse_ns: Option<u64>) -> AuxiliaryOutput {
     AuxiliaryOutput { high_v: 5.0, low_v: 0.0, rest_v: 0.0, pulse_ns, is_graded: false }
 }
 
-/// 2 ms, a wait of at most 5 ms with the light on, 2 ms; beside it a robot that waits for `other_ns`.
+/// 2 ms, a wait of at most 5 ms with the light on, and 2 ms; at the same time a second robot waits for `other_ns`.
 fn beside(other_ns: u64) -> (Schedule, Claims) {
     let steps = [0, 2 * MS, 5 * MS, 2 * MS].map(DimibotAction::Wait).to_vec();
     let other = job("other", "second", order(facts(3, 3), vec![DimibotAction::Wait(other_ns)]));
@@ -62,7 +62,7 @@ fn nothing_else_goes_on_in_a_wait() {
     passes(&sound, &claims);
     let (longer, claims) = beside(2 * MS + 1);
     only(Rule::Held, &longer, &claims);
-    // A wait of the program beside it.
+    // A wait of the program at the same time.
     let (sound, mut claims) = beside(2 * MS);
     claims.timeline = Timeline::Together(vec![Timeline::Run(0), Timeline::Run(1), Timeline::Wait(3 * MS)]);
     only(Rule::Held, &sound, &claims);
@@ -77,7 +77,7 @@ fn no_pulse_lasts_into_a_wait() {
     claims.jobs[0].events[0].action = AuxiliaryAction::Pulse;
     schedule.actuations[0].duration_ns = 2 * MS;
     passes(&schedule, &claims);
-    // Nor over all of it.
+    // Nor may it span the whole wait.
     for pulse_ns in [2 * MS + 1, 8 * MS] {
         claims.outputs.insert("light".into(), output(Some(pulse_ns)));
         schedule.actuations[0].duration_ns = pulse_ns;

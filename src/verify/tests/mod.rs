@@ -1,4 +1,4 @@
-//! Every rule is broken by hand in a way that it alone catches, and nearly broken in a way that passes.
+//! Each rule is broken by hand in a way that only it catches, and nearly broken in a way that passes.
 
 mod dimibot;
 mod electrode_array;
@@ -29,7 +29,7 @@ fn in_turn(device: &str, orders: impl IntoIterator<Item = Order>) -> Claims {
     claims(jobs, timeline)
 }
 
-/// The rules that a schedule breaks, each once, in the order of the ledger.
+/// The rules that a schedule breaks, each once, in the order of the catalogue.
 fn rules(schedule: &Schedule, claims: &Claims) -> Vec<Rule> {
     match verify(schedule.clone(), claims) {
         Verdict::Accepted(_) => Vec::new(),
@@ -64,7 +64,7 @@ fn each_alone(sound: &Schedule, claims: &Claims, broken: &[(&str, Rule, Edit)]) 
     assert_eq!(found.collect::<Vec<_>>(), expected);
 }
 
-/// Edits of a record that are caught whatever kind it is of.
+/// Edits of a record that are caught for any kind of device.
 const RECORD: &[(&str, Rule, Edit)] = &[
     ("a state too late", Rule::State, |s| s.plans[0].states[1].t_ns += 1),
     ("a state less", Rule::State, |s| drop(s.plans[0].states.pop())),
@@ -97,7 +97,7 @@ fn passes(schedule: &Schedule, claims: &Claims) {
     assert!(rules(schedule, claims).is_empty());
 }
 
-/// Why claims cannot be judged; `None` if they were.
+/// The reason why claims cannot be judged; `None` if they were judged.
 fn why(schedule: &Schedule, claims: &Claims) -> Option<String> {
     match verify(schedule.clone(), claims) {
         Verdict::Inconclusive { why } => Some(why),
@@ -105,14 +105,14 @@ fn why(schedule: &Schedule, claims: &Claims) -> Option<String> {
     }
 }
 
-/// Asserts that claims cannot be judged, for a reason of these words.
+/// Asserts that claims cannot be judged, for a reason that contains these words.
 #[track_caller]
 fn inconclusive(schedule: &Schedule, claims: &Claims, expected: &str) {
     let why = why(schedule, claims).unwrap_or_else(|| panic!("claims were judged, not {expected}"));
     assert!(why.contains(expected), "{why}, not {expected}");
 }
 
-/// The words of a reason, and the edit of an order that is one.
+/// Part of a reason, and an edit of an order that causes it.
 type UnfitOrder<O> = (&'static str, fn(&mut O));
 
 /// Asserts that sound claims can be judged, and that each edit of their first order makes them unfit for its reason.
@@ -127,13 +127,13 @@ fn each_unfit<O>(sound: (&Schedule, &Claims), order_of: fn(&mut Claims, usize) -
     }
 }
 
-/// Edits one item of a list, wherever an index points.
+/// Edits one item of a list; the index wraps around.
 fn write<T>(list: &mut [T], at: usize, edit: impl FnOnce(&mut T)) {
     let len = list.len().max(1);
     list.get_mut(at % len).map(edit);
 }
 
-/// A schedule of some claims in which nothing happens.
+/// An empty schedule of some claims.
 fn bare(claims: &Claims) -> Schedule {
     Schedule {
         holds: Vec::new(),
@@ -148,7 +148,7 @@ fn bare(claims: &Claims) -> Schedule {
     }
 }
 
-/// A step of a job, from an instant to another.
+/// A step of a job, from one instant to another.
 fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> ScheduledStep {
     ScheduledStep {
         task: job.task.clone(),
@@ -165,7 +165,7 @@ fn step_of(job: &Job, plan: usize, [start_ns, end_ns]: [u64; 2]) -> ScheduledSte
     }
 }
 
-/// The planner's record of a job, from an instant to another; not proven, and without states.
+/// The planner's record of a job, from one instant to another; not proven optimal, and without states.
 fn record_of(job: &Job, planner: &str, [objective, unit]: [&str; 2], [start_ns, end_ns]: [u64; 2]) -> PlanRecord {
     PlanRecord {
         task: job.task.clone(),

@@ -10,17 +10,18 @@ fn event(step: usize, output: &str, action: AuxiliaryAction) -> AuxiliaryEvent {
     AuxiliaryEvent { step, output: output.into(), action }
 }
 
-/// Of two levels, with rest at 0 V.
+/// An output with two levels, at rest at 0 V.
 fn low() -> AuxiliaryOutput {
     AuxiliaryOutput { high_v: 5.0, low_v: 0.0, rest_v: 0.0, pulse_ns: None, is_graded: false }
 }
 
-/// `set light to high`, 2 ms, `pulse camera`, 2 ms, `set light to low`, `pulse camera` at the end; with its schedule.
+/// `set light to high`, 2 ms, `pulse camera`, 2 ms, `set light to low`, and `pulse camera` at the end; with its
+/// schedule.
 fn look() -> (Schedule, Claims) {
     look_after(2 * MS)
 }
 
-/// The same with another time between the two pulses, in nanoseconds.
+/// The same with `gap_ns` between the two pulses, in nanoseconds.
 fn look_after(gap_ns: u64) -> (Schedule, Claims) {
     let steps = [0, 2 * MS, 0, gap_ns, 0, 0].map(DimibotAction::Wait).to_vec();
     let mut claims = claims(vec![job("look", "bot", order(facts(3, 3), steps))], Timeline::Run(0));
@@ -136,7 +137,7 @@ fn claims_that_no_output_has_are_not_judged_by() {
     }
 }
 
-/// A heater that rests at 2 V and is set to 4 V and to 2 V, and a shutter that rests high and is pulsed.
+/// A heater that rests at 2 V and is set to 4 V and then to 2 V, and a shutter that rests high and is pulsed.
 fn warm() -> (Schedule, Claims) {
     let steps = [0, 0, 2 * MS, 0, 2 * MS].map(DimibotAction::Wait).to_vec();
     let mut claims = claims(vec![job("look", "bot", order(facts(3, 3), steps))], Timeline::Run(0));

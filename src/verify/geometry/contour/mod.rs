@@ -1,10 +1,11 @@
-//! Closed smooth outlines: the contact of a tip, and its path length along the outline.
+//! Closed smooth outlines: the contact of a tip, and its arc length along the outline.
 //!
-//! Input: an outline of the claims, in micrometres. Output: a [`Contour`], parametrised counter-clockwise by arc length from its farthest
-//! crossing of the positive x axis. Where planners look arc lengths up in tables of polynomials, here each is integrated on
-//! demand, by five-point Gauss quadrature from the preceding node; the nearest place is found by bounds from the arc length
-//! between nodes, then by regula falsi. Promise: arc lengths, normals and distances are correct to about 1e-9 um for outlines
-//! that the checker accepts; no other outline causes a panic or an endless loop.
+//! Input: an outline of the claims, in micrometres. Output: a [`Contour`], parametrised counter-clockwise by arc
+//! length from its farthest crossing of the positive x axis. Planners look arc lengths up in tables of polynomials;
+//! here each is integrated on demand, by five-point Gauss quadrature from the preceding node. The nearest point is
+//! found by branch and bound, with bounds from the arc length between nodes, then by regula falsi. Promise: arc
+//! lengths, normals and distances are correct to about 1e-9 um for outlines that the checker accepts; no other outline
+//! causes a panic or an endless loop.
 
 mod piece;
 #[cfg(test)]
@@ -19,27 +20,28 @@ use std::f64::consts::{PI, TAU};
 /// Greatest turn of the tangent from one node to the next.
 const MAX_TURN_RAD: f64 = 0.12;
 
-/// Greatest error of the arc length between two nodes, at least, and as a share of the farthest coordinate.
+/// Greatest error of the arc length between two nodes: the larger of a length and a fraction of the distance from the
+/// origin.
 const WAY_UM: f64 = 1e-11;
 const WAY_SHARE: f64 = 1e-14;
 
 /// Greatest number of halvings of a piece.
 const MAX_HALVINGS: u32 = 40;
 
-/// Greatest number of nodes, and additional nodes per piece.
+/// Greatest number of nodes: a fixed part, and a part per piece.
 const MAX_NODES: [usize; 2] = [1 << 13, 16];
 
-/// Greatest number of halvings towards the other end in search of a sign beside a root.
+/// Greatest number of halvings towards the other end in search of the sign beside a root.
 const MAX_HALVINGS_BESIDE: i32 = 30;
 
-/// Greatest number of steps towards a root.
+/// Greatest number of iterations of a root search.
 const MAX_STEPS: usize = 100;
 
-/// A root is accepted when this is left of the offset, or a step is this share of the search interval.
+/// A root is accepted when the residual, or the step as a fraction of the search interval, is this small.
 const ROOT_UM: f64 = 1e-13;
 const ROOT_SHARE: f64 = 1e-12;
 
-/// The nodes and weights of Gauss' rule with five points, from -1 to 1.
+/// Nodes and weights of five-point Gauss quadrature on -1 to 1.
 const GAUSS: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
@@ -56,33 +58,33 @@ struct ContourSpan {
     to_t: f64,
 }
 
-/// Between two spans.
+/// The point between two spans.
 #[derive(Debug, Clone, Copy)]
 struct ContourNode {
     way_um: f64,
     point_um: [f64; 2],
     tangent: [f64; 2],
-    /// The direction of the outward normal, running on.
+    /// The direction of the outward normal, continuous along the outline.
     normal_rad: f64,
 }
 
-/// The place of an outline nearest to a point.
+/// The point of an outline nearest to a given point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foot {
     pub way_um: f64,
-    /// Distance of the point from it; negative inside.
+    /// Signed distance of the given point from the outline; negative inside.
     pub distance_um: f64,
     pub point_um: [f64; 2],
     /// The direction of the outward normal.
     pub normal_rad: f64,
-    /// Turn of the normal along the path.
+    /// Turn of the normal from the start of the outline.
     pub turned_rad: f64,
     /// Positive where the outline is convex.
     pub curvature_per_um: f64,
 }
 
 impl Foot {
-    /// Turn of a part while a tip of this radius rolls along the path.
+    /// Turn of a part while a tip of this radius rolls from the start of the outline to here.
     pub fn turn_of_tip_rad(&self, tip_radius_um: f64) -> f64 {
         through(Fault::JudgedRoll, self.turned_rad + self.way_um / tip_radius_um)
     }
@@ -99,7 +101,7 @@ pub struct Contour {
 }
 
 impl Contour {
-    /// Makes an outline ready; `None` if it has corners, is too rough, or does not run once round the origin.
+    /// Prepares an outline; `None` if it has corners, is too rough, or does not run once round the origin.
     pub fn of(outline: &Outline) -> Option<Contour> {
         match outline {
             Outline::Spline { points_um } => Contour::from_pieces(outline).or_else(|| {
@@ -139,7 +141,7 @@ impl Contour {
         self.farthest_um
     }
 
-    /// Where the negative x axis leaves it farthest out.
+    /// The farthest crossing of the negative x axis.
     pub fn opposite(&self) -> Option<Foot> {
         let roots = (0..self.spans.len()).flat_map(|at| axis_roots(&self.pieces, self.spans[at]).map(move |t| (at, t)));
         let x_um = |(at, t): &(usize, f64)| self.jet(*at, *t).point_um[0];
@@ -148,7 +150,8 @@ impl Contour {
         Some(self.foot_at(at, t, 0, self.jet(at, t).point_um))
     }
 
-    /// The place to which a tip of this radius has turned the part, from the beginning; for tips that reach all of the outline.
+    /// The contact of a tip of this radius after it has turned the part by an angle, from the start of the outline.
+    /// Assumes that the tip can touch all of the outline.
     pub fn rolled_to(&self, turn_rad: f64, tip_radius_um: f64) -> Option<Foot> {
         let first_rad = self.nodes[0].normal_rad;
         let turn_to = |node: &ContourNode| node.normal_rad - first_rad + node.way_um / tip_radius_um;
@@ -168,9 +171,11 @@ impl Contour {
         laps.is_finite().then(|| self.foot_at(at, t, laps as i64, self.jet(at, t).point_um))
     }
 
-    /// The place nearest to a point; its path length lies in the first lap. `None` if a coordinate is not finite.
+    /// The point of the outline nearest to a given point; its arc length lies in the first lap. `None` if a coordinate
+    /// is not finite.
     ///
-    /// Between two nodes the distance is at least half of the amount by which the sum of the nodes' distances exceeds the arc length.
+    /// Between two nodes the distance is at least half of the amount by which the sum of the nodes' distances exceeds
+    /// the arc length.
     pub fn foot(&self, point_um: [f64; 2]) -> Option<Foot> {
         if !point_um.iter().all(|number| number.is_finite()) {
             return None;
@@ -203,7 +208,8 @@ impl Contour {
         Some(self.foot_at(at, t, 0, point_um))
     }
 
-    /// The place nearest to a point, by descent from a place found before; its path length continues from that one.
+    /// The nearest point, by descent from the arc length of an earlier one; its own arc length continues from that
+    /// one.
     pub fn foot_near(&self, point_um: [f64; 2], way_um: f64) -> Option<Foot> {
         let laps = (way_um / self.round_um()).floor();
         let own_um = way_um - laps * self.round_um();
@@ -227,12 +233,12 @@ impl Contour {
         (laps.is_finite() && foot.distance_um.is_finite()).then_some(foot)
     }
 
-    /// Offset of a node from the foot of a point, along the tangent.
+    /// Offset of a node from the foot of a point, along the node's tangent.
     fn offset_um(&self, node: usize, point_um: [f64; 2]) -> f64 {
         dot(minus(self.nodes[node].point_um, point_um), self.nodes[node].tangent)
     }
 
-    /// The parameter of a span at which it is nearest to a point.
+    /// The parameter of the point of a span that is nearest to a given point.
     fn foot_in(&self, at: usize, point_um: [f64; 2]) -> f64 {
         let span = self.spans[at];
         let ends = [(span.from_t, self.offset_um(at, point_um)), (span.to_t, self.offset_um(at + 1, point_um))];
@@ -251,7 +257,7 @@ impl Contour {
         self.pieces[self.spans[at].piece].at(t)
     }
 
-    /// The foot of a point at a given place.
+    /// The foot with a given span, parameter and lap, for a point.
     fn foot_at(&self, at: usize, t: f64, lap: i64, point_um: [f64; 2]) -> Foot {
         let (span, node, lap) = (self.spans[at], self.nodes[at], lap as f64);
         let piece = &self.pieces[span.piece];
@@ -270,7 +276,7 @@ impl Contour {
         }
     }
 
-    /// The greatest distance from the origin: at a node, or where the distance ceases to grow between two of them.
+    /// The greatest distance from the origin: at a node, or at a local maximum between two nodes.
     fn farthest_um(&self) -> f64 {
         let of_node = self.nodes.iter().map(|node| length(node.point_um)).fold(0.0, f64::max);
         let tops = (0..self.spans.len()).filter_map(|at| {
@@ -285,7 +291,7 @@ impl Contour {
     }
 }
 
-/// Cuts pieces until tangents turn little, and arc lengths are exact, from one node to the next.
+/// Bisects pieces into spans until each has a small turn of the tangent and an accurate arc length.
 fn halved(pieces: &[Piece]) -> Option<Vec<ContourSpan>> {
     let whole = |piece: usize| {
         let [from_t, to_t] = pieces[piece].range();
@@ -317,7 +323,7 @@ fn halved(pieces: &[Piece]) -> Option<Vec<ContourSpan>> {
     Some(spans)
 }
 
-/// The spans in their order from where the positive x axis leaves the outline farthest out.
+/// The spans in order, starting at the farthest crossing of the positive x axis.
 fn begun_on_axis(pieces: &[Piece], mut spans: Vec<ContourSpan>) -> Option<Vec<ContourSpan>> {
     let x_um = |(at, t): &(usize, f64)| pieces[spans[*at].piece].at(*t).point_um[0];
     let roots = (0..spans.len()).flat_map(|at| axis_roots(pieces, spans[at]).map(move |t| (at, t)));
@@ -327,7 +333,7 @@ fn begun_on_axis(pieces: &[Piece], mut spans: Vec<ContourSpan>) -> Option<Vec<Co
     spans.rotate_left(at);
     spans[0].from_t = t;
     spans.push(ContourSpan { to_t: t, ..span });
-    // The rest of a span beside the beginning may be mere rounding.
+    // The rest of a span beside the start may be mere rounding.
     let is_wide = |span: &ContourSpan| {
         let [from_t, to_t] = pieces[span.piece].range();
         span.to_t - span.from_t > 1e-12 * (to_t - from_t)
@@ -336,13 +342,13 @@ fn begun_on_axis(pieces: &[Piece], mut spans: Vec<ContourSpan>) -> Option<Vec<Co
     Some(spans)
 }
 
-/// Where the x axis meets a span.
+/// The parameters at which a span meets the x axis.
 fn axis_roots(pieces: &[Piece], span: ContourSpan) -> impl Iterator<Item = f64> + use<> {
     let piece = pieces[span.piece];
     let height_um = |t: f64| piece.at(t).point_um[1];
     let rise = |t: f64| piece.at(t).velocity[1];
     let mut stops = vec![span.from_t];
-    // It may rise and fall again.
+    // The span may rise and fall again.
     if rise(span.from_t) * rise(span.to_t) < 0.0 {
         stops.push(root(rise, [span.from_t, span.to_t].map(|t| (t, rise(t)))));
     }
@@ -355,7 +361,7 @@ fn axis_roots(pieces: &[Piece], span: ContourSpan) -> impl Iterator<Item = f64> 
     on_axis.into_iter().chain(between)
 }
 
-/// The nodes of spans in their order.
+/// The nodes of spans, in order; one more than there are spans.
 fn nodes(pieces: &[Piece], spans: &[ContourSpan]) -> Option<Vec<ContourNode>> {
     let place = |span: &ContourSpan, t: f64| {
         let jet = pieces[span.piece].at(t);
@@ -387,8 +393,9 @@ fn arc_um(piece: &Piece, [from_t, to_t]: [f64; 2]) -> f64 {
     sum * half_t
 }
 
-/// An interval in which a function rises from below 0 to above it, if there is one between two ends. If it is 0 at one of them, as on the
-/// axes of an outline, the sign beside that end counts, provided the other end has the right sign.
+/// A bracket within two ends in which a function rises from below 0 to above it, if there is one. If the function is 0
+/// at one end, as on the axes of an outline, the sign beside that end counts, provided the other end has the right
+/// sign.
 fn rising(function: impl Fn(f64) -> f64, [from, to]: [(f64, f64); 2]) -> Option<[(f64, f64); 2]> {
     let beside = |end: (f64, f64), other: (f64, f64), sign: f64| {
         if end.1 * sign > 0.0 {
@@ -402,8 +409,8 @@ fn rising(function: impl Fn(f64) -> f64, [from, to]: [(f64, f64); 2]) -> Option<
     Some([beside(from, to, -1.0)?, beside(to, from, 1.0)?])
 }
 
-/// Root of a function that is below 0 at one end and above at the other, in either order: regula falsi, in which an end that stays
-/// counts half (Illinois).
+/// Root of a function with opposite signs at the two ends, by regula falsi with the Illinois modification: the value
+/// at an end that is retained is halved.
 fn root(function: impl Fn(f64) -> f64, [mut one, mut other]: [(f64, f64); 2]) -> f64 {
     let least_t = ROOT_SHARE * (other.0 - one.0).abs();
     for _ in 0..MAX_STEPS {

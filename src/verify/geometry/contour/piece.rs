@@ -1,14 +1,15 @@
-//! The formulas of outlines, piece by piece: a place and how fast it moves with the parameter.
+//! The formulas of outlines, piece by piece: a point and its derivative by the parameter.
 //!
-//! Input: an outline of the claims. Output: its pieces, counter-clockwise and without gaps where it is sound. Formulas are not those of
-//! planners where others serve: a superellipse is eight graphs over its axes and not a polar curve, a spline is known by its slopes
-//! at the points, which are iterated, and not by its bends, which are eliminated.
+//! Input: an outline of the claims. Output: its pieces, counter-clockwise and without gaps if the outline is valid.
+//! The formulas differ from those of planners where others serve. A superellipse is eight graphs over its axes, not a
+//! polar curve. A spline is given by its slopes at the points, found by iteration, not by its second derivatives,
+//! found by elimination.
 
 use crate::geometry::outline::Outline;
 use crate::real::Real;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// A place on a piece, and its derivative by the parameter.
+/// A point on a piece, and its derivative by the parameter.
 #[derive(Debug, Clone, Copy)]
 pub struct ContourJet {
     pub point_um: [f64; 2],
@@ -25,20 +26,21 @@ impl ContourJet {
 /// A smooth part of an outline.
 #[derive(Debug, Clone, Copy)]
 pub enum Piece {
-    /// An eighth of an ellipse, by the eccentric anomaly.
+    /// An eighth of an ellipse; the parameter is the eccentric anomaly.
     Eighth { semi_um: [f64; 2], number: u8 },
-    /// An eighth of |x/a|^n + |y/b|^n = 1: the graph over the axis from which it is farther, by the place on that axis.
+    /// An eighth of |x/a|^n + |y/b|^n = 1, as a graph over the axis from which it is farther; the parameter is the
+    /// coordinate on that axis.
     Octant { semi_um: [f64; 2], exponent: f64, number: u8 },
-    /// Straight, from 0 to 1.
+    /// A straight side, with a parameter from 0 to 1.
     Line { from_um: [f64; 2], to_um: [f64; 2] },
-    /// A quarter of a circle, by the direction from its centre.
+    /// A quarter of a circle; the parameter is the direction from its centre.
     Corner { centre_um: [f64; 2], radius_um: f64, number: u8 },
-    /// A cubic by its ends and their slopes, over the length of the chord.
+    /// A cubic by its ends and their slopes; the parameter is the length along the chord.
     Cubic { ends_um: [[f64; 2]; 2], slopes: [[f64; 2]; 2], chord_um: f64 },
 }
 
 impl Piece {
-    /// The parameters at which it begins and ends.
+    /// The parameters at its beginning and end.
     pub fn range(&self) -> [f64; 2] {
         match *self {
             Piece::Eighth { number, .. } => [0, 1].map(|end| f64::from(number + end) * FRAC_PI_4),
@@ -84,7 +86,7 @@ impl Piece {
         }
     }
 
-    /// The signed curvature where the speed is known: positive where the outline is convex.
+    /// Signed curvature, given the jet at `t`: positive where the outline is convex.
     pub fn curvature_per_um(&self, t: f64, jet: &ContourJet) -> f64 {
         let cube = jet.speed().whole_power(3);
         match *self {
@@ -109,13 +111,13 @@ impl Piece {
     }
 }
 
-/// Where the graphs of a superellipse meet, in units of both semi-axes.
+/// The coordinate at which the graphs of a superellipse meet, in units of either semi-axis.
 fn diagonal(n: f64) -> f64 {
     0.5f64.power(1.0 / n)
 }
 
-/// The place on the axis over which an octant is a graph; in every second one it runs backwards. Never below 0, where a root on the axis
-/// may lie by rounding, and the power would be no number.
+/// The coordinate on the axis over which an octant is a graph; in every second octant it runs backwards. Clamped to 0:
+/// by rounding, a root on the axis may lie below it, where the power is not a number.
 fn graphed(n: f64, number: u8, t: f64) -> f64 {
     let place = if number.is_multiple_of(2) { t } else { diagonal(n) - t };
     place.max(0.0)
@@ -130,7 +132,7 @@ fn octant(semi_um: [f64; 2], n: f64, number: u8, t: f64) -> ContourJet {
         true => (1.0, number / 2, number / 2 + 1),
         false => (-1.0, number.div_ceil(2), number / 2),
     };
-    // The axes in their order: to the right, up, to the left, down.
+    // The axes in order: right, up, left, down.
     let directed = |axis: u8, value: f64| match axis % 4 {
         0 => [value * semi_um[0], 0.0],
         1 => [0.0, value * semi_um[1]],
@@ -144,7 +146,7 @@ fn octant(semi_um: [f64; 2], n: f64, number: u8, t: f64) -> ContourJet {
     }
 }
 
-/// The pieces of an outline; `None` where its numbers make none.
+/// The pieces of an outline; `None` if its numbers are invalid.
 pub fn all(outline: &Outline) -> Option<Vec<Piece>> {
     let is_size = |size_um: &f64| size_um.is_finite() && *size_um > 0.0;
     match outline {
@@ -167,7 +169,7 @@ pub fn all(outline: &Outline) -> Option<Vec<Piece>> {
     }
 }
 
-/// Sides and corners in turn, from the middle of the right side; both upright sides are two lines.
+/// Sides and corners in turn, starting at the middle of the right side; each vertical side is two lines.
 fn rounded_rectangle([x_um, y_um]: [f64; 2], radius_um: f64, middle_um: [f64; 2]) -> Vec<Piece> {
     let off_origin = |point_um: [f64; 2]| [0, 1].map(|axis| point_um[axis] + middle_um[axis]);
     let [a_um, b_um] = [x_um - radius_um, y_um - radius_um];
@@ -199,11 +201,11 @@ fn rounded_rectangle([x_um, y_um]: [f64; 2], radius_um: f64, middle_um: [f64; 2]
 /// Fewest points of a spline.
 const MIN_POINTS: usize = 4;
 
-/// Greatest number of sweeps over the slopes of a spline; each at least halves their error.
+/// Greatest number of Gauss-Seidel sweeps over the slopes of a spline; each at least halves their error.
 const MAX_SWEEPS: usize = 80;
 
-/// The periodic cubic spline through points, over the lengths of its chords: the bends of neighbours agree at each point. The
-/// equations are solved by Gauss and Seidel.
+/// The periodic cubic spline through points, parametrised by the lengths of its chords: second derivatives of
+/// neighbouring pieces agree at each point. The equations are solved by Gauss-Seidel iteration.
 fn spline(points_um: &[[f64; 2]]) -> Option<Vec<Piece>> {
     let count = points_um.len();
     let next = |at: usize| if at + 1 == count { 0 } else { at + 1 };

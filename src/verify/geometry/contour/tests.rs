@@ -1,10 +1,10 @@
-//! The verifier's outlines against the planners', and against their formulas.
+//! The verifier's outlines compared with the planners' and with closed formulas.
 
 use super::*;
 use crate::geometry::outline::Curve;
 use proptest::prelude::*;
 
-/// Tolerance between paths and places of the two, as a share of the size.
+/// Relative tolerance between arc lengths and positions of the two implementations.
 const NEAR: f64 = 2e-9;
 
 fn size() -> impl Strategy<Value = f64> {
@@ -69,16 +69,17 @@ proptest! {
         let place = curve.spot(off / TAU * curve.perimeter_um()).point_um.map(|part| part * far);
         let (judged, planned) = (contour.foot(place).expect("a place"), curve.nearest(place));
         prop_assert!((judged.distance_um - planned.distance_um).abs() <= near, "{judged:?} {planned:?}");
-        // Where several places are equally near, either is correct: the verifier's own place is one of them.
+        // If several points are equally near, either is correct; the verifier's must be one of them.
         prop_assert!((length(minus(place, judged.point_um)) - judged.distance_um.abs()).abs() <= near);
         let spot = curve.spot(judged.way_um);
         prop_assert!(length(minus(spot.point_um, judged.point_um)) <= near);
         let turn = (spot.normal_rad - judged.normal_rad).rem_euclid(TAU);
-        // Ways are right to a length, and so directions to a length over the radius of the bend.
+        // Arc lengths are accurate to a length, so directions are accurate to that length over the radius of
+        // curvature.
         let blur = near * spot.curvature_per_um.abs();
         prop_assert!(turn.min(TAU - turn) <= NEAR + blur, "{turn}");
         let bend = spot.curvature_per_um * curve.perimeter_um();
-        // The curvature contains a root of the arc length if the exponent is little more than 2.
+        // The curvature contains a root of the arc length if the exponent is only just above 2.
         let most = if matches!(outline, Outline::Superellipse { .. }) { 0.05 } else { 1e-6 + 10.0 * blur };
         prop_assert!((judged.curvature_per_um * curve.perimeter_um() - bend).abs() <= most * (1.0 + bend.abs()));
     }
@@ -133,7 +134,7 @@ fn known_figures() {
         .expect("an outline");
     assert!((rounded.round_um() - (4.0 * 4.0 + 4.0 * 2.0 + TAU)).abs() < 1e-10);
     assert!((rounded.radius_um() - (20f64.sqrt() + 1.0)).abs() < 1e-10);
-    // An ellipse of the exponent 2 is an ellipse.
+    // A superellipse of exponent 2 is an ellipse.
     let lame = Contour::of(&Outline::Superellipse { semi_um: [5.0, 4.0], exponent: 2.0 }).expect("an outline");
     assert!((lame.round_um() - ellipse.round_um()).abs() < 1e-9);
 }
@@ -154,7 +155,7 @@ fn ways_run_on() {
     }
 }
 
-/// Outlines that no claims hold: none of them panics or takes for ever.
+/// Outlines that no claims have: none of them causes a panic or an endless loop.
 #[test]
 fn nonsense_is_no_outline() {
     let spline = |points_um: &[[f64; 2]]| Outline::Spline { points_um: points_um.to_vec() };
@@ -171,7 +172,7 @@ fn nonsense_is_no_outline() {
         spline(&[[1.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, -1.0]]),
         spline(&[[1.0, 0.0], [0.0, f64::NAN], [-1.0, 0.0], [0.0, -1.0]]),
         spline(&[[3.0, 0.0], [2.0, 1.0], [1.0, 0.0], [2.0, -1.0]]),
-        // A figure of eight turns by nothing.
+        // A figure of eight has a total turn of zero.
         spline(&[[2.0, 1.0], [-2.0, -1.0], [-2.0, 1.0], [2.0, -1.0]]),
     ];
     for outline in outlines {

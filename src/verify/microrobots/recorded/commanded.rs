@@ -1,7 +1,7 @@
-//! The commands of a recorded run, held against the device and the steps of its task.
+//! Checks the commands of a recorded run against the device and the steps of its task.
 //!
-//! Input: command lines. Output: the legs that they drive. Promise: arms come from the voltage alone, as in a replayed schedule: between two
-//! drives the bed is at the relax level, otherwise at 0 V.
+//! Input: command lines. Output: the legs that they drive. Promise: arm positions come from the voltage alone, as in a
+//! replayed schedule: between two drives the bed is at the relax level, otherwise at 0 V.
 
 use super::super::relay::Relays;
 use super::JudgedRecording;
@@ -18,16 +18,16 @@ pub(super) struct CommandedLeg {
     pub strokes: u64,
 }
 
-/// What was commanded so far.
+/// The commands so far.
 pub(super) struct Commanded<'r, 'a> {
     run: &'r JudgedRecording<'a>,
     relays: Relays<'a>,
     /// When the last command ends; `None` before the first one.
     pub until_ns: Option<u64>,
-    /// One for each robot of the order: whether it is held for docked.
+    /// For each robot of the order, whether the controller considers it docked.
     pub docked: Vec<bool>,
     pub strokes: u64,
-    /// In the current step: legs with strokes, and when the rest began.
+    /// Legs with strokes in the current step, and the start and end of its rest.
     applied: Vec<CommandedLeg>,
     rested: Option<[u64; 2]>,
 }
@@ -40,7 +40,7 @@ impl<'r, 'a> Commanded<'r, 'a> {
         Commanded { run, relays, until_ns: None, docked, strokes: 0, applied: Vec::new(), rested: None }
     }
 
-    /// Whether step, line and names of a command are those of the program; robots once held for docked stay so.
+    /// Checks that step, line and names of a command are those of the program, and that docked robots stay docked.
     pub fn words(&mut self, command: &CommandLine, at_ns: u64) -> Result<(), Halt> {
         let (run, step, at) = (self.run, command.step, ms(at_ns));
         let broken = |title: String| Err(Halt::from(run.within(Rule::Exchange, step, at_ns, title)));
@@ -106,14 +106,15 @@ impl<'r, 'a> Commanded<'r, 'a> {
         Ok(legs)
     }
 
-    /// When a rest of the step is over; `None` in a step that does not wait.
+    /// The end of the current step's rest; `None` in a step that does not wait.
     fn rest_until(&mut self, command: &CommandLine) -> Option<u64> {
         let MicrorobotsAction::Wait(duration_ns) = self.run.order.steps.get(command.step)?.action else { return None };
         let [_, until_ns] = *self.rested.get_or_insert([command.t_ns, command.t_ns.saturating_add(duration_ns)]);
         Some(until_ns)
     }
 
-    /// The leg of a segment: a control cycle, unless the arms are there already, then strokes that move no arm.
+    /// The leg of a segment: a control cycle, unless the arms are in position already, followed by strokes that move
+    /// no arm.
     fn segment(
         &mut self,
         segment: &SegmentLine,
@@ -161,7 +162,7 @@ impl<'r, 'a> Commanded<'r, 'a> {
         Ok(CommandedLeg { control, strokes: segment.strokes })
     }
 
-    /// An `apply` and a `wait` are carried out as they are written.
+    /// An `apply` or a `wait` was executed as written.
     pub fn end_step(&mut self, step: usize, at_ns: u64, findings: &mut Findings) {
         let (applied, rested) = (std::mem::take(&mut self.applied), self.rested.take());
         match self.run.order.steps[step].action {

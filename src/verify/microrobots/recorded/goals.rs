@@ -1,9 +1,10 @@
-//! The goals of a recorded run, held against its measurements.
+//! Checks the goals of a recorded run against its measurements.
 //!
-//! A robot that was driven is at its goal if it is measured within the precision of the task and the error of a measurement. Docked robots
-//! are held against one another, since their structure stands where its first two robots met: the places of the goals are moved
-//! onto the measured ones by the rigid motion of least squares. If every robot is within d of its place in the true structure and measured
-//! within p of where it is, the n squares of the best fit sum up to at most n (d + p)², so that no robot is farther off than √n (d + p).
+//! A driven robot is at its goal if it is measured within the precision of the task plus the error of a measurement.
+//! Docked robots are compared with one another, since their structure stands where its first two robots met: the goals
+//! are fitted to the measured positions by the rigid motion of least squares. If every robot is within d of its place
+//! in the true structure and is measured within p of its position, the n squared residuals of the best fit sum to at
+//! most n (d + p)², so no robot is farther off than √n (d + p).
 
 use super::super::motion::{RobotPlace, turn_between};
 use super::measured::body;
@@ -16,14 +17,14 @@ use crate::real::Real;
 use crate::verify::rule::{Findings, Rule, ms};
 use nalgebra::{Point2, Rotation2, Vector2};
 
-/// Rounding that is no deviation.
+/// Rounding that does not count as a deviation.
 const ROUNDING_UM: f64 = 1e-3;
 const ROUNDING_RAD: f64 = 1e-6;
 
 /// Progress towards the goals.
 pub(super) struct Goals<'r, 'a> {
     run: &'r JudgedRecording<'a>,
-    /// Stops that the driven robot of the current step has come by.
+    /// Number of stops that the driven robot has passed in the current step.
     passed: usize,
     pub reached: Vec<GoalReached>,
 }
@@ -33,7 +34,7 @@ impl<'r, 'a> Goals<'r, 'a> {
         Goals { run, passed: 0, reached: Vec::new() }
     }
 
-    /// What a place and a heading may be off a goal.
+    /// Allowed distance from a goal, and allowed angle from its heading.
     fn allowed(&self) -> [f64; 2] {
         let (precision, errors, tolerances) = (self.run.order.precision, self.run.errors, self.run.tolerances);
         [
@@ -47,7 +48,7 @@ impl<'r, 'a> Goals<'r, 'a> {
         off_um <= may_um && off_rad <= may_rad
     }
 
-    /// A measurement within a step: the driven robot may come by its stops.
+    /// Passes the stops at which the driven robot is measured within a step.
     pub fn pass(&mut self, step: usize, places: &[RobotPlace]) {
         let Some(MicrorobotsAction::Drive { robot, stops }) = self.run.order.steps.get(step).map(|step| &step.action)
         else {
@@ -58,7 +59,7 @@ impl<'r, 'a> Goals<'r, 'a> {
         }
     }
 
-    /// The goals of a step that is over.
+    /// Checks the goals of a step that is over.
     pub fn end_step(
         &mut self,
         step: usize,
@@ -160,13 +161,13 @@ fn distances([off_um, off_rad]: [f64; 2], [may_um, may_rad]: [f64; 2]) -> String
     format!("{off} um and {turned} deg from there; {may} um and {may_turn} deg are allowed")
 }
 
-/// The rigid motion that brings the goals of an assembly nearest to the measured places.
+/// The rigid motion that fits the goals of an assembly to the measured positions.
 struct StructureFit {
     /// Counter-clockwise.
     turn: Rotation2<f64>,
     planned: Point2<f64>,
     found: Point2<f64>,
-    /// Root of the sum of the squared distances of the goals from their middle.
+    /// Square root of the sum of the squared distances of the goals from their mean.
     spread_um: f64,
 }
 
@@ -188,21 +189,21 @@ impl StructureFit {
         StructureFit { turn, planned: planned.into(), found: found.into(), spread_um: square.sqrt() }
     }
 
-    /// How far a measured robot is from its place in the structure, in micrometres and radians.
+    /// Deviation of a measured robot from its place in the structure, in micrometres and radians.
     fn off(&self, dock: &Dock, place: RobotPlace) -> [f64; 2] {
         let goal = RobotPlace::of(&dock.goal.pose);
         let due = self.found + self.turn * (goal.at - self.planned);
         [(place.at - due).norm(), turn_between(goal.theta_rad - self.turn.angle(), place.theta_rad).abs()]
     }
 
-    /// What each robot may be off.
+    /// Allowed deviation of each robot, in micrometres and radians.
     fn allowed(&self, run: &JudgedRecording, docks: &[Dock]) -> [f64; 2] {
         let (order, errors, tolerances) = (run.order, run.errors, run.tolerances);
         let count = docks.len() as f64;
         // Each contact of a chain may be off by the docking tolerance.
         let true_um = order.precision.place_um + (count - 1.0) * order.facts.docking.tolerance_um;
         let most_um = count.sqrt() * (true_um + errors.place_um);
-        // The fit is turned no farther than the places are off, over their spread.
+        // The rotation error of the fit is bounded by the position errors over the spread of the goals.
         let fit_rad = 2.0 * most_um / self.spread_um.max(most_um);
         [
             most_um + tolerances.goal_um + ROUNDING_UM,
@@ -211,7 +212,7 @@ impl StructureFit {
     }
 }
 
-/// The limits on the time, for the run as it was.
+/// The time limits, for the measured duration of the run.
 pub(super) fn time(run: &JudgedRecording, took_ns: u64, findings: &mut Findings) {
     let granted_s = run.tolerances.time_ns as f64 / 1e9;
     let took_s = took_ns as f64 / 1e9;

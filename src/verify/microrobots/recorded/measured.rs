@@ -1,10 +1,12 @@
-//! The measurements of a recorded run, held against what was commanded and what stands in the scene.
+//! Checks the measurements of a recorded run against its commands and the obstacles of the scene.
 //!
-//! A robot that was measured somewhere, and is then driven, can be measured only so far from where the strokes bring it as the bounds on
-//! the device's errors add up to. With speed error v, turning error τ per path length, and errors p and h of a measured place and heading, a
-//! straight or bent path of length w adds to the deviation of the place at most (h + deviation of heading so far) w + τ w² / 2 + v w, and to that
-//! of the heading τ w (1 + v) + v w / R: two paths whose headings differ by at most δ part by at most δ w, and the one that
-//! is longer by v w ends at most that much farther on. Robots that touch may have been stopped on their way, and align themselves.
+//! After a robot was measured and then driven, its next measurement can deviate from where the strokes bring it by no
+//! more than the accumulated bounds on the device's errors. With speed error v, turning error τ per path length, and
+//! errors p and h of a measured position and heading, a straight or curved path of length w adds at most (h +
+//! deviation of heading so far) w + τ w² / 2 + v w to the deviation of the position, and τ w (1 + v) + v w / R to that
+//! of the heading. The reason: two paths whose headings differ by at most δ diverge by at most δ w, and the one that
+//! is longer by v w ends at most that much farther on. Robots that touch may have been stopped on their way, and align
+//! themselves.
 
 use super::super::super::boxes::{Extent, GroupedBoxes};
 use super::super::super::geometry::solid::Solid;
@@ -19,22 +21,23 @@ use crate::verify::rule::{Findings, Rule, Violation, ms};
 use nalgebra::Vector2;
 use std::f64::consts::PI;
 
-/// Rounding that is no deviation: lines hold all digits of a number.
+/// Rounding that does not count as a deviation: lines have all digits of a number.
 const ROUNDING_UM: f64 = 1e-3;
 const ROUNDING_RAD: f64 = 1e-6;
 
-/// Greatest distance of the places at which a path is looked at for where a robot was stopped, and their greatest number in a leg.
+/// Greatest spacing of the points of a path at which a robot may have been stopped, and their greatest number in a
+/// leg.
 const STOP_STEP_UM: f64 = 1.0;
 const MAX_STOP_STEPS: f64 = 10_000.0;
 
-/// A leg for one robot: on a curve or straight, for a path length.
+/// A leg of one robot: a path length, on a curve or straight.
 #[derive(Debug, Clone, Copy)]
 struct TrackedLeg {
     curve_um: Option<f64>,
     way_um: f64,
 }
 
-/// Where a robot should be, and how far from there it may be measured.
+/// The expected pose of a robot, and the allowed deviation of its measurement.
 #[derive(Debug, Clone, Copy)]
 struct Expected {
     place: RobotPlace,
@@ -42,21 +45,21 @@ struct Expected {
     off_rad: f64,
 }
 
-/// A measurement, judged.
+/// Judgement of a measurement.
 pub(super) enum Seen {
     Usable(Vec<RobotPlace>),
-    /// A robot was not seen, or where it cannot be. It is a violation if the run goes on with it.
+    /// A robot was not seen, or was seen where it cannot be; a violation if the run continues with it.
     SetAside(Box<Violation>),
 }
 
-/// The robots as they are measured.
+/// The robots, tracked from measurement to measurement.
 pub(super) struct Tracked<'r, 'a> {
     run: &'r JudgedRecording<'a>,
     /// The last usable measurement.
     anchor: Option<Vec<RobotPlace>>,
-    /// One for each robot: what was driven since.
+    /// For each robot, the legs driven since then.
     legs: Vec<Vec<TrackedLeg>>,
-    /// A measurement that was set aside, with its violation: the next one may confirm it.
+    /// A measurement that was set aside, with its violation; the next one may confirm it.
     suspect: Option<(Vec<Option<RobotPlace>>, Box<Violation>)>,
     solids: Vec<Solid>,
     boxes: GroupedBoxes,
@@ -76,12 +79,12 @@ impl<'r, 'a> Tracked<'r, 'a> {
         self.farthest.map(|(_, deviation)| deviation)
     }
 
-    /// Whether there was a measurement that could be used.
+    /// Whether any measurement has been usable so far.
     pub fn has_begun(&self) -> bool {
         self.anchor.is_some()
     }
 
-    /// Adds what is driven from now on.
+    /// Adds the legs that are driven from now on.
     pub fn drive(&mut self, legs: &[CommandedLeg], docked: &[bool]) {
         let order = self.run.order;
         for (robot, own) in self.legs.iter_mut().enumerate().filter(|(robot, _)| !docked[*robot]) {
@@ -96,7 +99,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
         }
     }
 
-    /// Judges a measurement, and takes it over if it can be used. The step is where a violation belongs.
+    /// Judges a measurement, and makes it the new anchor if it is usable. `step` is the step of a violation.
     pub fn see(&mut self, poses: &[Option<RobotPlace>], step: usize, at_ns: u64, findings: &mut Findings) -> Seen {
         let Some(places) = poses.iter().copied().collect::<Option<Vec<RobotPlace>>>() else {
             let robot = poses.iter().position(Option::is_none).unwrap_or(0);
@@ -108,7 +111,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
             self.accept(places.clone());
             return Seen::Usable(places);
         };
-        // What two measurements agree on has happened.
+        // A deviation that two measurements agree on is real.
         let is_confirmed = self.suspect.as_ref().is_some_and(|(suspect, _)| {
             (0..places.len()).all(|robot| suspect[robot].is_none_or(|before| self.is_same(before, places[robot])))
         });
@@ -130,14 +133,14 @@ impl<'r, 'a> Tracked<'r, 'a> {
         self.legs.iter_mut().for_each(Vec::clear);
     }
 
-    /// Whether two measured places may be one.
+    /// Whether two measured poses may be the same.
     fn is_same(&self, one: RobotPlace, other: RobotPlace) -> bool {
         let errors = self.run.errors;
         (one.at - other.at).norm() <= 2.0 * errors.place_um + ROUNDING_UM
             && turn_between(one.theta_rad, other.theta_rad).abs() <= 2.0 * errors.heading_rad + ROUNDING_RAD
     }
 
-    /// The first robot that is not where the commands bring it.
+    /// The violation of the first robot that is not where the commands bring it.
     fn strayed(
         &mut self,
         anchor: &[RobotPlace],
@@ -154,7 +157,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
                 self.remember(robot, at_ns, off_um, expected.off_um);
             } else if !self.was_stopped(robot, anchor[robot], places) {
                 let (name, at) = (self.run.name(robot), ms(at_ns));
-                // Less than a picometre is rounding.
+                // A difference of less than a picometre is rounding.
                 let shown = |value: f64| digits(to_decimals(value, 6));
                 let [off, may] = [off_um, expected.off_um].map(shown);
                 let [turned, may_turn] = [off_rad, expected.off_rad.min(PI)].map(|rad| shown(rad.to_degrees()));
@@ -198,7 +201,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
         }
     }
 
-    /// Whether a robot touches another one, and is where it may have been stopped by it and have aligned itself.
+    /// Whether a robot touches another one and is where that one may have stopped it, after self-alignment.
     fn was_stopped(&self, robot: usize, anchor: RobotPlace, places: &[RobotPlace]) -> bool {
         let (docking, errors) = (self.run.order.facts.docking, self.run.errors);
         let half_um = self.reach_um(robot);
@@ -253,7 +256,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
         body(self.run, robot, place)
     }
 
-    /// A measured body that lies in another one or in an obstacle, by more than the errors of the measurement.
+    /// The violation of a measured body that overlaps another one or an obstacle by more than the measurement errors.
     fn overlap(&self, places: &[RobotPlace], step: usize, at_ns: u64) -> Option<Box<Violation>> {
         let (order, errors) = (self.run.order, self.run.errors);
         let seen_um = |robot: usize| errors.place_um + errors.heading_rad * self.reach_um(robot);
@@ -273,7 +276,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
                     return Some(Box::new(self.run.within(Rule::Meet, step, at_ns, title)));
                 }
             }
-            // A body that is smaller by the error of its measurement.
+            // The body shrunk by the error of its measurement.
             let half_um = own.half_um.map(|half_um| (half_um - seen_um(robot) - ROUNDING_UM).max(0.0));
             let core = JudgedBody { half_um, ..own }.vertices();
             let mut near = self.boxes.meeting(&Extent::of(&core).widened(ROUNDING_UM)).into_iter();
@@ -288,7 +291,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
     }
 }
 
-/// The body of a robot at a place.
+/// The body of a robot at a pose.
 pub(super) fn body(run: &JudgedRecording, robot: usize, place: RobotPlace) -> JudgedBody {
     let facts = run.order.robot(robot);
     let (sin, cos) = place.theta_rad.sine_cosine();

@@ -1,9 +1,11 @@
-//! Judges a recorded run of a controller: its commands against the device and the task, its measurements against commands and goals.
+//! Judges a recorded run of a controller: its commands against the device and the task, its measurements against
+//! commands and goals.
 //!
-//! Input: the lines of the exchange in their order, and the claims of the program. Output: a [`RecordedRun`], or the violations by time.
-//! Promise: nothing of the controller is used. The arms come from the levels of the voltage, the paths from strokes, and what a robot
-//! may be off its path from the bounds on the device's errors. The walk ends at the first line after which the state is unknown. Cost: for
-//! each measurement its robots and the pairs and obstacles near one another. Its tests are `tests/microrobots/recorded.rs`.
+//! Input: the lines of the exchange in order, and the claims of the program. Output: a [`RecordedRun`], or the
+//! violations by time. Promise: no code of the controller is used. Arm positions come from the levels of the voltage,
+//! paths from strokes, and the allowed deviation of a robot from its path from the bounds on the device's errors. The
+//! walk ends at the first line after which the state is unknown. Cost: for each measurement its robots, and the pairs
+//! and obstacles near one another. Its tests are `tests/microrobots/recorded.rs`.
 
 mod commanded;
 mod goals;
@@ -20,46 +22,46 @@ use crate::source::{Sources, Span};
 use commanded::Commanded;
 use measured::{Seen, Tracked};
 
-/// What is granted besides the limits of the program and the errors of its device.
+/// Allowances beyond the limits of the program and the errors of its device.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tolerances {
-    /// Distance of a measured place from where the commands bring the robot.
+    /// Distance of a measured position from where the commands bring the robot.
     pub path_um: f64,
     /// Distance from a goal.
     pub goal_um: f64,
     /// Angle from the heading of a goal.
     pub heading_rad: f64,
-    /// Beyond a limit on the time.
+    /// Time beyond a time limit.
     pub time_ns: u64,
 }
 
-/// A recorded run without a violation.
+/// Summary of a recorded run without a violation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedRun {
     pub measurements: u64,
     pub commands: u64,
     pub strokes: u64,
-    /// Measurements that the controller did not act upon.
+    /// Measurements that the controller did not use.
     pub set_aside: u64,
-    /// From the first measurement to the last.
+    /// Time from the first measurement to the last.
     pub duration_ns: u64,
-    /// The measured place that took the largest share of what it was allowed.
+    /// The deviation that is the largest fraction of what was allowed.
     pub farthest: Option<Deviation>,
-    /// In the order of the task.
+    /// Goals in the order of the task.
     pub goals: Vec<GoalReached>,
 }
 
-/// How far a robot was measured from where the commands bring it.
+/// Distance of a robot's measured position from where the commands bring it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Deviation {
     pub robot: String,
-    /// From the first measurement.
+    /// Time since the first measurement.
     pub at_ns: u64,
     pub off_um: f64,
     pub allowed_um: f64,
 }
 
-/// How near a robot was measured to its goal; in an assembly, to its place in the structure.
+/// Deviation of a robot from its goal, as measured; in an assembly, from its place in the structure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GoalReached {
     pub robot: String,
@@ -70,7 +72,7 @@ pub struct GoalReached {
     pub allowed_rad: f64,
 }
 
-/// Judges the lines of a run against the one task of some claims, which were derived from the files of `sources`.
+/// Judges the lines of a run of the only task of some claims, which were derived from the files of `sources`.
 ///
 /// # Errors
 /// The violations, at least one.
@@ -101,7 +103,7 @@ pub fn judge(
     }
 }
 
-/// A recording with its claims.
+/// A recording with the claims to judge it by.
 struct JudgedRecording<'a> {
     job: &'a Job,
     order: &'a MicrorobotsOrder,
@@ -121,14 +123,14 @@ impl JudgedRecording<'_> {
         (0..self.order.robots.len()).find(|robot| self.name(*robot) == name)
     }
 
-    /// A violation in a step; `time_ns` is from the first measurement.
+    /// A violation in a step; `time_ns` counts from the first measurement.
     fn within(&self, rule: Rule, step: usize, time_ns: u64, title: String) -> Violation {
         let span = self.order.steps.get(step).map_or(Span::default(), |step| step.span);
         Violation::new(rule, time_ns, title).label(span, "in this step").help(mend(rule))
     }
 }
 
-/// What the person at the bed can do.
+/// Help for the operator, by the rule that is broken.
 fn mend(rule: Rule) -> &'static str {
     const MENDS: [(Rule, &str); 7] = [
         (
@@ -147,7 +149,7 @@ fn mend(rule: Rule) -> &'static str {
     MENDS.iter().find(|(of, _)| *of == rule).map_or(edited, |(_, mend)| mend)
 }
 
-/// The walk through the lines.
+/// Progress through the lines of a recording.
 struct Walk<'r, 'a> {
     run: &'r JudgedRecording<'a>,
     commanded: Commanded<'r, 'a>,
@@ -217,7 +219,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         self.end(last)
     }
 
-    /// The run ends with its task done.
+    /// Checks that the run ends with its task done.
     fn end(&self, last: Option<&CommandLine>) -> Result<(), Halt> {
         let at_ns = self.since_ns(self.last_ns);
         let title = match last {
@@ -233,7 +235,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         Err(self.run.within(Rule::GivenUp, self.step, at_ns, title).into())
     }
 
-    /// A command, with the measurement that it answers.
+    /// Judges a command, with the measurement that it answers.
     fn pair(
         &mut self,
         measured: Option<&MeasuredLine>,
@@ -288,7 +290,8 @@ impl<'r, 'a> Walk<'r, 'a> {
         let at_ns = self.since_ns(now_ns);
         let poses = self.poses(measured)?;
         let holds = command.command == CommandWord::Drive && command.segments.as_ref().is_some_and(Vec::is_empty);
-        // Nothing was driven before, and nothing is on account of this: the next one is as good to begin with.
+        // Nothing has been driven before, nor is anything because of this measurement, so the run can begin with the
+        // next one.
         if holds && !self.tracked.has_begun() {
             self.set_aside += 1;
             return self.follow(command, at_ns, None, findings);
@@ -309,7 +312,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         }
     }
 
-    /// The measured poses in the order of the scene.
+    /// The measured poses by robot, in the order of the scene; `None` for a robot that was not seen.
     fn poses(&self, measured: &MeasuredLine) -> Result<Vec<Option<RobotPlace>>, Halt> {
         if let Some(unknown) = measured.robots.keys().find(|name| self.run.robot(name).is_none()) {
             let clean: String = unknown.chars().filter(|c| !c.is_control()).take(40).collect();
@@ -322,7 +325,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         Ok((0..self.run.order.robots.len()).map(place).collect())
     }
 
-    /// Carries a command out; the places are those of the measurement that it answers, if it was acted upon.
+    /// Applies a command. `places` are those of the measurement that it answers, if that was used.
     fn follow(
         &mut self,
         command: &CommandLine,

@@ -9,10 +9,10 @@ use std::f64::consts::FRAC_PI_2;
 /// Far less than a planner's margin, far more than rounding.
 const HAIR_UM: f64 = 1e-10;
 
-/// Two tips of 10 nm that repeat to 90 nm each.
+/// Needed distance of two tips with a radius of 10 nm and a repeatability of 90 nm each.
 const NEEDED_UM: f64 = 0.2;
 
-/// The actions of two robots at the same time, the second one placed in the scene of the first.
+/// Actions of two robots at the same time, the second one placed in the scene of the first.
 fn together(first: DimibotAction, second: Vec<DimibotAction>, frame: Pose) -> Claims {
     let jobs = vec![job("a", "left", order(facts(3, 3), vec![first])), job("b", "right", order(facts(3, 3), second))];
     let mut claims = claims(jobs, Timeline::Together(vec![Timeline::Run(0), Timeline::Run(1)]));
@@ -32,13 +32,13 @@ fn a_tip_keeps_off_one_that_stands() {
     passes(&sound, &claims);
     let (touching, claims) = stands(0.5, NEEDED_UM - HAIR_UM);
     only(Rule::Encounter, &touching, &claims);
-    // Without a place nothing is known of the two.
+    // Without a shared scene, nothing is known of their relative position.
     passes(&touching, &Claims { shared: Vec::new(), ..claims });
 }
 
 #[test]
 fn where_a_robot_is_turned_to_matters() {
-    // A robot that faces +y at (0.85, -0.5) crosses the path of the other, from below.
+    // A robot that faces +y at (0.85, -0.5) crosses the path of the other one from below.
     let across = |wait_ns: u64| {
         let frame = Pose { x_um: 0.85, y_um: -0.5, heading_rad: FRAC_PI_2 };
         let claims = together(go(&[(1, 0)]), vec![DimibotAction::Wait(wait_ns), go(&[(1, 0)])], frame);
@@ -46,7 +46,7 @@ fn where_a_robot_is_turned_to_matters() {
     };
     let (sound, claims) = across(15 * MS + 1);
     passes(&sound, &claims);
-    // Both ends of a pulse belong to it.
+    // A pulse includes both its ends.
     let (meeting, claims) = across(15 * MS);
     only(Rule::Encounter, &meeting, &claims);
     let (crossing, claims) = across(7 * MS);

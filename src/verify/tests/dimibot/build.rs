@@ -1,4 +1,4 @@
-//! Makes schedules from claims and lists of pulses, with records by a simulator of its own.
+//! Builds schedules from claims and lists of pulses, with records from an independent simulator.
 
 use crate::claims::dimibot::{
     Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
@@ -52,7 +52,7 @@ pub fn job(task: &str, device: &str, order: DimibotOrder) -> Job {
     fixture::job(task, device, Order::Dimibot(order))
 }
 
-/// The claims of a single task.
+/// Claims of a single task.
 pub fn alone(order: DimibotOrder) -> Claims {
     claims(vec![job("fetch", "bot", order)], Timeline::Run(0))
 }
@@ -72,10 +72,10 @@ pub fn cells(name: &str, from: (u32, u32), to: (u32, u32)) -> DimibotObstacle {
     DimibotObstacle { name: name.into(), body, span: Span::default() }
 }
 
-/// The pulses of each step of each job, in order; the channels of one pulse separated by blanks.
+/// The pulses of each step of each job, in order. A pulse is a list of channels, separated by spaces.
 pub type Pulses<'a> = &'a [&'a [&'a [&'a str]]];
 
-/// The tight schedule of these pulses, with true records.
+/// The schedule of these pulses without idle time, with true records.
 pub fn schedule(claims: &Claims, pulses: Pulses) -> Schedule {
     let mut schedule = Schedule {
         bench: Default::default(),
@@ -176,7 +176,7 @@ pub fn channel(schedule: &Schedule, name: &str) -> u32 {
     schedule.channels.iter().position(|channel| channel.name == name).expect("a channel of this name") as u32
 }
 
-/// Writes states, outcomes, cost and bound as they follow from the actuations, however wrong these are.
+/// Writes the states, outcomes, cost and bound that follow from the actuations, however wrong these are.
 pub fn record(schedule: &mut Schedule, claims: &Claims) {
     let mut standing: BTreeMap<&str, LatticeCell> = BTreeMap::new();
     let mut jobs: Vec<usize> = (0..claims.jobs.len()).collect();
@@ -243,7 +243,7 @@ fn state(facts: &DimibotFacts, t_ns: u64, cell: LatticeCell) -> TimedState {
     TimedState { t_ns, state }
 }
 
-/// Side, module and whether it is set, from a channel's name.
+/// Side, module and whether the module is set, from a channel's name.
 fn parsed(schedule: &Schedule, channel: u32) -> (Side, u32, bool) {
     let name = schedule.channels[channel as usize].name.split('.').collect::<Vec<_>>();
     let side = if name[1].starts_with("bl") { Side::Left } else { Side::Right };

@@ -1,4 +1,4 @@
-//! Nothing that can be read makes the verifier panic.
+//! No readable schedule or claims make the verifier panic.
 
 use super::*;
 use crate::claims::Timeline;
@@ -30,7 +30,7 @@ fn number() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(20.0), Just(f64::NAN), Just(f64::INFINITY), Just(-1e308), Just(1e308), any::<f64>()]
 }
 
-/// One field of a schedule, and the value to write there.
+/// A field of a schedule, and the value to write there.
 #[derive(Debug, Clone)]
 enum Spoil {
     Index(usize, usize, u32),

@@ -11,17 +11,18 @@ pub(super) mod build;
 mod garbage;
 mod mutants;
 
-/// Far less than a planner's margin of errors in shapes, far more than rounding.
+/// Far less than a planner's margin for errors in shapes, far more than rounding.
 const HAIR_UM: f64 = 1e-9;
 
-/// Two moves: bl0, bl1, then br1.
+/// Two moves: first bl0 and bl1, then br1.
 fn moves() -> Claims {
     alone(order(facts(3, 3), vec![go(&[(3, 0)]), go(&[(3, 2)])]))
 }
 
 const MOVES: Pulses = &[&[&["bl0.set", "bl1.set"], &["br1.set"]]];
 
-/// Delays everything from an instant on, or advances it where `by_ns` is negative: an actuation that spans the instant is stretched.
+/// Delays everything from an instant on by `by_ns`, or advances it if `by_ns` is negative. An actuation that spans the
+/// instant is stretched.
 fn slide(schedule: &mut Schedule, from_ns: u64, by_ns: i64) {
     let moved = |at_ns: &mut u64| {
         if *at_ns >= from_ns {
@@ -40,7 +41,7 @@ fn slide(schedule: &mut Schedule, from_ns: u64, by_ns: i64) {
     schedule.plans.iter_mut().for_each(|plan| span(&mut plan.start_ns, &mut plan.duration_ns));
 }
 
-/// The moves, edited, with true records.
+/// The moves after an edit, with true records.
 fn edited(edit: impl Fn(&mut Schedule)) -> (Schedule, Claims) {
     let claims = moves();
     let mut schedule = schedule(&claims, MOVES);
@@ -144,7 +145,7 @@ fn one_module_at_a_time_unless_safe() {
     only(Rule::Simultaneous, &schedule(&claims, pulses), &claims);
 }
 
-/// The claims of one move among obstacles.
+/// Claims of one move among obstacles.
 fn among(from: (u32, u32), to: (u32, u32), obstacles: Vec<DimibotObstacle>) -> Claims {
     let mut order = order(facts(3, 3), vec![go(&[to])]);
     order.start = Some(Spanned::new(cell(from.0, from.1), Span::default()));
@@ -176,7 +177,7 @@ fn a_sweep_keeps_its_gap_from_every_shape() {
     let square = || Shape::Box { size_um: [1.0, 1.0] };
     let capsule = || Shape::Capsule { length_um: 2.0, radius_um: 0.25 };
     let disc = || Shape::Disc { radius_um: 0.5 };
-    // A shape beside the path along x: its turn, its place along the path, and how far below its origin it extends.
+    // Shapes beside the path along x: angle, position along the path, and extent below the origin.
     let beside = [
         (Shape::Point, 0.0, 3.0, 0.0),
         (disc(), 0.0, 3.0, 0.5),
@@ -202,7 +203,7 @@ fn a_sweep_keeps_its_gap_from_every_shape() {
     }
 }
 
-/// Asserts that claims with so large a gap hold just above the growth, and break one rule just below.
+/// Asserts that a gap just above tip radius plus repeatability passes, and that a smaller one breaks one rule.
 #[track_caller]
 fn assert_gap(at: impl Fn(f64) -> Claims, name: &str) {
     let pulses: Pulses = &[&[&["bl2.set"]]];
@@ -288,7 +289,7 @@ fn the_tip_stands_clear_even_without_a_move() {
     passes(&schedule(&clear, still), &clear);
 }
 
-/// To touch exactly is to touch: the figures have no rounding.
+/// Touching exactly counts as touching: these numbers have no rounding.
 #[test]
 fn a_gap_of_just_the_growth_is_too_small() {
     let apart = |radius_um: f64| {
@@ -411,7 +412,7 @@ fn a_stop_of_one_step_does_not_count_in_the_next() {
     passes(&schedule(&claims, &[&[&["bl0.set"], &["br0.set"]]]), &claims);
 }
 
-/// One move to a place for which the cell (3, 2) is taken.
+/// One move to a position for which the cell (3, 2) is used.
 fn placed(facts: DimibotFacts, place_um: [f64; 2], precision_um: Option<f64>) -> Claims {
     let place = DimibotStop { asked: Asked::Place(place_um), ..stop(3, 2) };
     let mut order = order(facts, vec![DimibotAction::Move(vec![place])]);

@@ -1,4 +1,4 @@
-//! Sound schedules of random scenes, changed in one place: each mutant is refused, or the very same schedule.
+//! Sound schedules of random scenes with one mutation: each mutant is rejected, or identical to the original.
 
 use super::*;
 use crate::claims::dimibot::{DimibotAction, DimibotObstacle, DimibotObstacleBody};
@@ -7,7 +7,7 @@ use crate::geometry::shape::Shape;
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-/// A program with one run, and the pulses that keep it.
+/// A program with one run, and the pulses of a sound schedule.
 #[derive(Debug, Clone)]
 struct Scenario {
     claims: Claims,
@@ -22,7 +22,8 @@ impl Scenario {
     }
 }
 
-/// The random draw: robot, a walk with the modules of each pulse and the kind of its step, and bodies as shares of the workspace.
+/// The random draw: robot, a walk with the modules of each pulse and the kind of its step, and bodies in fractions of
+/// the workspace.
 type Draw = ((u32, u32, bool, bool), Vec<(Index, Option<Index>, u8)>, Vec<(f64, f64, f64)>);
 
 fn draw() -> impl Strategy<Value = Draw> {
@@ -83,7 +84,7 @@ fn take(actions: &mut Vec<DimibotAction>, pulses: &mut Vec<Vec<String>>, sort: u
     pulses.last_mut().expect("a step").push(names);
 }
 
-/// A pulse of one or two modules: its channels, the corners of what it may sweep, and the cell after it.
+/// A pulse of one or two modules: its channels, the corners of the area that it may sweep, and the cell after it.
 fn pulse(
     facts: &DimibotFacts,
     cell: LatticeCell,
@@ -118,7 +119,7 @@ fn gap(facts: &DimibotFacts, body: &DimibotObstacle, [low, high]: [LatticeCell; 
     (pose.x_um - nearest[0]).hypot(pose.y_um - nearest[1]) - radius_um
 }
 
-/// One change of one actuation, or of two.
+/// One mutation, of one actuation or of two.
 #[derive(Debug, Clone)]
 enum Mutation {
     Drop(Index),
@@ -173,7 +174,8 @@ fn bytes(schedule: &Schedule) -> Vec<u8> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Harmless is the mutant that is, byte for byte, the schedule it came from: an exchange of equals, a shift by nothing.
+    /// A mutant passes only if it is byte for byte the original schedule, as after swapping equals or shifting by
+    /// nothing.
     #[test]
     fn a_mutant_is_refused_or_the_same(scenario in scenario(), mutation in mutation()) {
         let sound = scenario.schedule();
@@ -184,7 +186,7 @@ proptest! {
         prop_assert_eq!(refused, bytes(&mutant) != bytes(&sound));
     }
 
-    /// A forger who also makes the records true gains only schedules that an independent simulator finds sound.
+    /// A forger who also corrects the records gains only schedules that an independent simulator finds sound.
     #[test]
     fn an_exchange_with_true_records_is_judged_as_the_simulator_does(
         scenario in scenario(),
@@ -198,7 +200,7 @@ proptest! {
     }
 }
 
-/// Whether pulses do something, keep clear of all bodies, and reach the stops; times are taken to be right.
+/// Whether pulses have an effect, keep clear of all bodies and reach the stops; times are assumed to be right.
 fn simulated(schedule: &Schedule, claims: &Claims) -> bool {
     let Order::Dimibot(order) = &claims.jobs[0].order else { panic!("an order of a DiMiBot") };
     let facts = &order.facts;
@@ -242,7 +244,7 @@ fn simulated(schedule: &Schedule, claims: &Claims) -> bool {
     sound
 }
 
-/// Goes on to a cell, which may be met once more by the next stop.
+/// Advances to a cell, which the next stop may use again.
 fn in_turn(rest: &mut std::slice::Iter<'_, LatticeCell>, cell: LatticeCell) -> bool {
     let found = rest.as_slice().iter().position(|met| *met == cell);
     found.map(|at| *rest = rest.as_slice()[at..].iter()).is_some()

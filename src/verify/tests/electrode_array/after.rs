@@ -7,7 +7,7 @@ use crate::verify::Rule;
 
 const THREE: [(&str, u32, u32); 3] = [("a", 4, 4), ("b", 10, 4), ("c", 4, 10)];
 
-/// What comes after the first operation.
+/// An operation that comes after the first one.
 fn then(operation: AssayOperation) -> AssayOperation {
     AssayOperation { after: vec![0], ..operation }
 }
@@ -18,7 +18,7 @@ fn a_stay_counts_from_then_on() {
     judged(two(), &[".....", "....."], &[]);
     judged(two(), &["....", "...."], &[Rule::Goal]);
     judged(two(), &["......", "......"], &[Rule::Idle]);
-    // What it does before is its own affair.
+    // Its earlier moves do not matter.
     judged(two(), &[".....", "RL..."], &[]);
     judged(two(), &[".....", ".RL.."], &[]);
     judged(two(), &[".....", "..RL."], &[Rule::Goal]);

@@ -31,7 +31,7 @@ fn a_part_stays_for_the_whole_of_its_time() {
     judged(stay(&[(5, 4)], 2), &["R.LR."], &[Rule::Goal]);
     judged(stay(&[(5, 4)], 2), &["R...LR"], &[]);
     judged(stay(&[(5, 4)], 2), &["R..."], &[Rule::Idle]);
-    // Rest before its turn does not count, and each stay has its own.
+    // Rest before its turn does not count, and each stay counts separately.
     let twice = |first| assay(&[("a", 4, 4)], vec![incubate(0, &[], first), incubate(0, &[], 2)]);
     judged(twice(0), &[".."], &[]);
     judged(twice(1), &["..."], &[]);
@@ -65,7 +65,7 @@ fn parts_merge_when_both_are_there_and_ready() {
     judged(meet(vec![]), &["RR", "..LLx"], &[]);
     judged(meet(vec![]), &["RR", "LL"], &[Rule::State]);
     judged(meet(vec![]), &["RR", "L"], &[Rule::Goal]);
-    // `b` is not ready: the two keep apart, until it has stayed.
+    // `b` is not ready: the two keep apart until it has stayed.
     judged(meet(vec![incubate(1, &[], 2)]), &["..RR", "..LLx"], &[]);
     judged(meet(vec![incubate(1, &[], 2)]), &["RR", "..LLx"], &[]);
     judged(meet(vec![incubate(1, &[(7, 6)], 0)]), &["RR", "ULLDx"], &[]);
@@ -82,7 +82,7 @@ fn what_has_merged_goes_on_as_one() {
     judged(on(vec![incubate(0, &[], 2)]), &["RR..", "LLx"], &[]);
     judged(on(vec![incubate(0, &[], 2)]), &["RR.", "LLx"], &[Rule::Goal]);
     judged(on(vec![incubate(0, &[(4, 5)], 1)]), &["RRL.", "LLx"], &[]);
-    // The one that came first waits for the other, and that is no stay.
+    // The droplet that arrives first waits for the other one; that does not count as a stay.
     judged(on(vec![incubate(0, &[], 2)]), &["RR...", ".LLx"], &[]);
     judged(on(vec![incubate(0, &[], 2)]), &["RR..", ".LLx"], &[Rule::Goal]);
 }
@@ -105,7 +105,7 @@ fn what_leaves_the_board_is_gone_at_once() {
     judged(out((5, 4)), &["R..", "..."], &[Rule::State]);
     judged(out((5, 4)), &["..R", "..."], &[Rule::State]);
     judged(out((5, 4)), &["...", "..."], &[Rule::Goal]);
-    // Another may come to where it was; a step earlier it would have been too near.
+    // Another part may come to its former cell; one step earlier it would have been too near.
     let follow = |last| {
         let operations = vec![discard(0, (5, 4)), operation(go(1, &[last]))];
         assay(&[("a", 4, 4), ("b", 7, 4)], operations)
@@ -115,7 +115,8 @@ fn what_leaves_the_board_is_gone_at_once() {
     judged(follow((5, 4)), &["..Rx", "...LL"], &[]);
 }
 
-/// `a` comes out of a reservoir at (4, 4) in three beats; what it does then, and the other parts with what they do.
+/// `a` comes out of a reservoir at (4, 4) in three beats. `then` has its later operations and those of the other
+/// parts.
 fn out_of_a_reservoir(others: &[(&str, u32, u32)], then: Vec<AssayOperation>) -> ElectrodeArrayOrder {
     let parts: Vec<(&str, u32, u32)> = std::iter::once(("a", 1, 1)).chain(others.iter().copied()).collect();
     let operations = std::iter::once(dispense(0, (4, 4), 3)).chain(then).collect();
@@ -138,7 +139,7 @@ fn a_droplet_stays_at_the_outlet_until_it_is_dispensed() {
     judged(one(vec![discard(0, (4, 4))]), &["o..x"], &[]);
     judged(one(vec![incubate(0, &[], 2)]), &["o...."], &[]);
     judged(one(vec![incubate(0, &[], 2)]), &["o..."], &[Rule::Goal]);
-    // What is on the board is not dispensed, wherever it stands.
+    // A part that is on the board is not dispensed, wherever it is.
     let stands =
         |at| order(chip(14, 14), &[("a", at, 4)], vec![ElectrodeArrayAction::Assay(vec![dispense(0, (4, 4), 3)])]);
     judged(stands(4), &["..."], &[Rule::Goal]);
@@ -154,7 +155,7 @@ fn nothing_is_near_an_outlet_that_dispenses() {
     let away = || beside(5, vec![operation(go(1, &[(7, 4)]))]);
     judged(away(), &["_o..", "RR"], &[]);
     judged(away(), &["o..", "RR"], &[Rule::Pull]);
-    // It is there from its first beat on.
+    // The droplet is there from its first beat on.
     let past = || beside(6, vec![operation(go(1, &[(5, 6)]))]);
     judged(past(), &["o..", "UUL"], &[]);
     judged(past(), &["o..", "LUU"], &[Rule::Pull]);
@@ -168,7 +169,7 @@ fn one_outlet_dispenses_one_droplet_after_the_other() {
     judged(order(), &["o..RR", "____o.."], &[Rule::Pull]);
     judged(order(), &["_____o..RR", "o.."], &[Rule::State]);
     let (mut schedule, claims) = one_step(order(), &["o..RR...", "_____o.."]);
-    // Two droplets of one reservoir are alike: the record says which is which, but not that one is another.
+    // Two droplets of one reservoir are alike: the record says which is which, but cannot exchange their operations.
     schedule.plans[0].states.iter_mut().for_each(|state| {
         let State::ElectrodeArray(board) = &mut state.state else { panic!("a board") };
         let cells = ["a", "b"].map(|name| board.parts.remove(name));
@@ -189,7 +190,7 @@ fn an_outlet_dispenses_what_is_asked_and_no_more() {
     only(Rule::Unused, &schedule, &claims);
 }
 
-/// `b` comes out of `a`, which is split at (5, 4), and goes up; what follows, and a third part with what it does.
+/// `b` is split off `a` at (5, 4) and goes up. `then` has the later operations, and `third` is another part.
 fn split_upward(third: Option<(&str, u32, u32)>, then: Vec<AssayOperation>) -> ElectrodeArrayOrder {
     let parts: Vec<(&str, u32, u32)> = [("a", 4, 4), ("b", 1, 1)].into_iter().chain(third).collect();
     let operations = std::iter::once(split(1, 0, (5, 4), (5, 5))).chain(then).collect();
@@ -206,11 +207,11 @@ fn a_droplet_is_split_where_the_electrodes_on_both_sides_pull() {
     judged(alone(), &["RU", "__"], &[Rule::Goal]);
     judged(alone(), &["R", "_"], &[Rule::Goal]);
     judged(alone(), &["RD.", "_o."], &[Rule::Idle]);
-    // Its own electrode is off meanwhile, and it is split nowhere else.
+    // Its own electrode is off meanwhile, and it is split at no other cell.
     judged(alone(), &["R.", "_o"], &[Rule::Pull]);
     judged(alone(), &["URD", "__o"], &[Rule::Pull]);
     judged(alone(), &["DD", "_o"], &[Rule::Unused]);
-    // The half that the program names goes where it says.
+    // The named half goes where the program says.
     let sideways = || without_places(assay(&[("a", 4, 4), ("b", 1, 1)], vec![split(1, 0, (5, 4), (6, 4))]), &[1]);
     judged(sideways(), &["RL", "_o"], &[]);
     judged(sideways(), &["RD", "_o"], &[Rule::Pull]);
@@ -225,7 +226,7 @@ fn both_halves_go_on_by_themselves() {
     judged(split_upward(None, then), &["RDR", "_o...."], &[Rule::Goal]);
     let merges = vec![operation(merge(0, 1, (5, 4)))];
     judged(split_upward(None, merges), &["RDU", "_oDx"], &[]);
-    // What comes out of one can be split again.
+    // A half can be split again.
     let parts = [("a", 4, 4), ("b", 1, 1), ("c", 1, 1)];
     let again = vec![split(1, 0, (5, 4), (5, 5)), split(2, 1, (5, 6), (6, 6))];
     let order = || without_places(assay(&parts, again.clone()), &[1, 2]);
@@ -254,13 +255,13 @@ fn a_droplet_is_mixed_round_its_loop() {
     judged(stirred(&[], 4), &["RULD.."], &[Rule::Idle]);
     judged(stirred(&[], 4), &[".RLRULD"], &[]);
     judged(stirred(&[(5, 4)], 4), &["RRULD"], &[]);
-    // Anticlockwise, a cell in every beat, from the corner to the corner.
+    // Anticlockwise, one cell per beat, from the corner to the corner.
     judged(stirred(&[], 4), &["URDL"], &[Rule::Goal]);
     judged(stirred(&[], 4), &["R.ULD"], &[Rule::Goal]);
     judged(stirred(&[], 5), &["RULD.RULD"], &[Rule::Goal]);
     judged(stirred(&[], 4), &["LURD"], &[Rule::Goal]);
     judged(stirred(&[], 4), &["RRULLD"], &[Rule::Goal]);
-    // Each time counts once.
+    // Each mixing time counts once.
     let twice = || assay(&[("a", 4, 4)], vec![mix(0, &[], 4), mix(0, &[], 3)]);
     judged(twice(), &["RULDRULD"], &[]);
     judged(twice(), &["RULD"], &[Rule::Goal]);
@@ -283,7 +284,7 @@ fn droplets_contain_what_is_asked() {
         limit,
         span: Span::default(),
     };
-    // `a` meets `c`, is split into `a` and `b`, and what is left of it meets `d`.
+    // `a` merges with `c` and is split into `a` and `b`; the remaining `a` merges with `d`.
     let operations = vec![operation(merge(0, 2, (5, 4))), split(1, 0, (5, 4), (5, 5)), operation(merge(0, 3, (5, 2)))];
     let parts = [("a", 4, 4), ("b", 1, 1), ("c", 7, 4), ("d", 5, 1)];
     let judged_with = |contents: Vec<DropletContent>, limits: [Option<f64>; 2], due: &[Rule]| {
@@ -379,7 +380,7 @@ fn the_sum_of_costs_ends_with_the_last_arrivals() {
     passes(&sound, &claims);
 }
 
-/// An operation on the record: its parts, and start, arrival and end in beats.
+/// A recorded operation: its parts, and its start, arrival and end in beats.
 pub(super) fn recorded(parts: &[&str], [start, arrival, end]: [u64; 3]) -> ScheduledOperation {
     ScheduledOperation {
         parts: parts.iter().map(|part| (*part).to_owned()).collect(),
@@ -404,7 +405,7 @@ fn operations_on_the_record_are_those_of_the_replay() {
         incubate(2, &[(9, 10)], 4),
     ];
     let order = assay(&[("a", 3, 5), ("b", 7, 5), ("c", 9, 9)], operations);
-    // `a` waits where they meet, rests there once they are one, is held up on its way, and `c` comes back to its stay.
+    // `a` waits where they meet, rests there after the merge, and is held up on its way; `c` comes back to its stay.
     let (mut sound, claims) = one_step(order, &["RR....U.R", "..LLx", ".UDU...."]);
     sound.steps[0].operations = vec![
         recorded(&["b"], [0, 0, 1]),

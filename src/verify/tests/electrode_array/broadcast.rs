@@ -1,4 +1,5 @@
-//! Shared channels: all electrodes of a channel are on together, and every droplet in reach is judged against all of them.
+//! Shared channels: all electrodes of a channel are on together, and every droplet in reach is judged against all of
+//! them.
 
 use super::build::*;
 use super::{judged, moving, one_step, rules, why};
@@ -9,10 +10,10 @@ use crate::schedule::Schedule;
 use crate::verify::Rule;
 use std::sync::Arc;
 
-/// Electrodes, each list of them on one channel.
+/// Lists of electrodes; each list shares one channel.
 type Lists<'a> = &'a [&'a [(u32, u32)]];
 
-/// A board of droplets on which electrodes of each list have one channel.
+/// A board of droplets on which the electrodes of each list share a channel.
 fn shared(columns: u32, rows: u32, lists: Lists) -> ElectrodeArrayFacts {
     let mut channels: Vec<Option<u32>> = (0..columns * rows).map(|place| Some(1000 + place)).collect();
     for (number, list) in (0..).zip(lists) {
@@ -26,14 +27,14 @@ fn shared(columns: u32, rows: u32, lists: Lists) -> ElectrodeArrayFacts {
 
 const BROADCAST: &[Rule] = &[Rule::Broadcast];
 
-/// One droplet goes two to the right; the electrode at a cell is on with the one that it comes to first.
+/// One droplet goes two cells to the right; another electrode shares the channel of the first cell that it comes to.
 fn alone_with(other: (u32, u32), expected: &[Rule]) {
     judged(moving(shared(9, 9, &[&[(5, 5), other]]), &[("a", 4, 5)], vec![go(0, &[(6, 5)])]), &["RR"], expected);
 }
 
 #[test]
 fn another_electrode_in_reach_of_the_droplet_that_moves_tears_it() {
-    // Beside where it was, where it comes to, and where it is next; two columns from both ends it does no harm.
+    // Beside its start, its next cell and its goal; two columns from both ends it does no harm.
     for near in [(3, 5), (3, 4), (4, 6), (5, 6), (6, 5), (6, 6), (6, 4)] {
         alone_with(near, BROADCAST);
     }
@@ -50,7 +51,7 @@ fn a_droplet_that_is_held_may_be_torn_as_well() {
     };
     resting((5, 6), BROADCAST);
     resting((2, 5), &[]);
-    // An electrode beside the other droplet holds the first one.
+    // An electrode beside the other droplet shares a channel with the one that holds the first.
     resting((7, 8), BROADCAST);
     resting((6, 8), &[]);
 }
@@ -66,7 +67,7 @@ fn what_moves_one_droplet_pulls_another() {
         let moves = std::iter::once(go(0, &[(3, 5)])).chain(goal).collect();
         judged(moving(shared(12, 9, &[&[(3, 5), other]]), &[("a", 2, 5), ("b", 8, 5)], moves), &["R", word], expected);
     };
-    // Near one that rests, before it and after it moves; where it goes itself both are on for both.
+    // Near a resting droplet, before it moves and after; a shared electrode at its own destination is on for both.
     beside((9, 6), "", BROADCAST);
     beside((10, 5), "", &[]);
     beside((10, 5), "R", BROADCAST);
@@ -79,7 +80,7 @@ fn what_moves_one_droplet_pulls_another() {
     beside((8, 5), "R", BROADCAST);
 }
 
-/// The schedule of a bus of three phases with one droplet, and edits that no other rule catches.
+/// The schedule of a three-phase bus with one droplet, and edits that only this rule catches.
 #[test]
 fn an_edit_of_what_is_on_is_caught_by_this_rule_alone() {
     let lists: [&[(u32, u32)]; 3] =
@@ -89,7 +90,7 @@ fn an_edit_of_what_is_on_is_caught_by_this_rule_alone() {
     let names = |schedule: &Schedule| -> Vec<String> { schedule.channels.iter().map(|own| own.name.clone()).collect() };
     let (schedule, _) = one_step(bus(), &["RRRR", ""]);
     assert_eq!(names(&schedule), ["board.e2_1", "board.e3_1", "board.e1_1", "board.e9_3"]);
-    // One phase more, one that lasts too long, one that begins too early.
+    // An additional phase, one that lasts too long, and one that begins too early.
     let edited = |edit: &dyn Fn(&mut Schedule)| {
         let (mut schedule, claims) = one_step(bus(), &["RRRR", ""]);
         edit(&mut schedule);
@@ -108,7 +109,8 @@ fn an_edit_of_what_is_on_is_caught_by_this_rule_alone() {
     assert_eq!(rules(&schedule, &claims), [Rule::Channel]);
 }
 
-/// What is on for each part alone is right on boards of all wirings; one of them lights what others do not.
+/// The electrodes that are on for each part are the same on boards of all wirings; on some, their channels switch
+/// further electrodes.
 #[test]
 fn the_same_moves_keep_the_rule_or_break_it_by_the_channels_of_the_board() {
     let moves = || vec![go(0, &[(5, 5)]), go(1, &[(8, 8)])];
@@ -163,7 +165,7 @@ fn an_electrode_that_does_not_work_pulls_nothing_though_its_channel_is_on() {
     };
     dead(&[], BROADCAST);
     dead(&[cell(4, 6)], &[]);
-    // A channel none of whose electrodes works is not switched.
+    // A channel without a working electrode is not switched.
     let facts = shared(9, 9, &[&[(7, 7), (7, 9)]]);
     let map = ElectrodeMap { disabled: vec![cell(7, 7), cell(7, 9)], ..(**facts.map.as_ref().expect("a map")).clone() };
     let facts = ElectrodeArrayFacts { map: Some(Arc::new(map)), ..facts };
@@ -183,13 +185,13 @@ fn without_holding_a_droplet_may_rest_on_an_electrode_that_is_on_for_another() {
     unheld((8, 6), "RR", &[Rule::Bystander]);
     unheld((9, 6), "RR", BROADCAST);
     unheld((10, 5), "RR", &[]);
-    // On for nobody that moves, it is held against the device.
+    // An electrode that is on for no moving droplet holds this one, which the device does not allow.
     let facts = ElectrodeArrayFacts { hold: Hold::Off, ..shared(12, 9, &[&[(8, 5), (12, 9)]]) };
     let (mut schedule, claims) =
         one_step(moving(facts, &[("a", 2, 5), ("b", 8, 5)], vec![go(0, &[(4, 5)])]), &["RR", ""]);
     switch_on(&mut schedule, 8, 5, 0, 0, 1);
     assert_eq!(rules(&schedule, &claims), [Rule::Hold]);
-    // On for nobody at all, it is of no use.
+    // An electrode that is on for no droplet is unused.
     let (mut schedule, claims) =
         one_step(moving(shared(12, 9, &[&[(11, 5), (12, 9)]]), &[("a", 2, 5)], vec![go(0, &[(4, 5)])]), &["RR"]);
     switch_on(&mut schedule, 11, 5, 0, 0, 1);
@@ -203,11 +205,11 @@ fn droplets_merge_and_split_by_their_own_electrodes_alone() {
         judged(order, &["RR", "LL"], expected);
     };
     merging(&[], &[]);
-    // Both come at once over one channel, and over one that tears one of them.
+    // Both arrive at once over one channel, and over one that tears one of them.
     merging(&[&[(4, 5), (6, 5)]], &[]);
     merging(&[&[(5, 5), (1, 1)]], &[]);
     merging(&[&[(5, 5), (7, 6)]], BROADCAST);
-    // The goal is on too early, for nobody.
+    // The goal is on too early, for neither of them.
     merging(&[&[(4, 5), (5, 5)]], BROADCAST);
     let (schedule, claims) = split_of(&[]);
     assert_eq!(rules(&schedule, &claims), []);
@@ -217,7 +219,7 @@ fn droplets_merge_and_split_by_their_own_electrodes_alone() {
     assert!(rules(&schedule, &claims).contains(&Rule::Broadcast));
 }
 
-/// `a` goes to (5, 5) and is pulled apart there, to (4, 5) and (6, 5).
+/// `a` goes to (5, 5) and is split there, to (4, 5) and (6, 5).
 fn split_of(lists: Lists) -> (Schedule, Claims) {
     let order = assay(&[("a", 4, 5), ("h", 1, 1)], vec![split(1, 0, (5, 5), (6, 5))]);
     one_step(without_places(ElectrodeArrayOrder { facts: shared(14, 14, lists), ..order }, &[1]), &["RL", "_o"])

@@ -1,4 +1,5 @@
-//! Makes claims on a board, and schedules from the words that its parts follow, with a lowering and records of its own.
+//! Builds claims on a board, and schedules from one word per part, with an independent lowering and independent
+//! records.
 
 use crate::claims::electrode_array::{
     AssayOperation, BoardPart, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObjective,
@@ -14,7 +15,7 @@ use crate::source::Span;
 use crate::verify::tests::{self, bare, record_of, step_of};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A beat.
+/// Duration of a beat, in nanoseconds.
 pub const BEAT: u64 = 2_200_000;
 
 pub fn cell(column: u32, row: u32) -> ElectrodeCell {
@@ -37,7 +38,7 @@ pub fn chip(columns: u32, rows: u32) -> ElectrodeArrayFacts {
     }
 }
 
-/// The order without the places of some parts, which come out of reservoirs.
+/// The order without the cells of some parts, which come out of reservoirs.
 pub fn without_places(mut order: ElectrodeArrayOrder, parts: &[usize]) -> ElectrodeArrayOrder {
     let all = std::sync::Arc::make_mut(&mut order.parts);
     parts.iter().for_each(|part| all[*part].cell = None);
@@ -77,7 +78,7 @@ pub fn incubate(part: usize, stops: &[(u32, u32)], beats: u64) -> AssayOperation
     AssayOperation { stay_ns: beats * BEAT, ..operation(go(part, stops)) }
 }
 
-/// A part comes out of a reservoir in some beats.
+/// A part is dispensed from a reservoir in some beats.
 pub fn dispense(part: usize, outlet: (u32, u32), beats: u64) -> AssayOperation {
     AssayOperation { comes: true, ..incubate(part, &[outlet], beats) }
 }
@@ -87,7 +88,7 @@ pub fn mix(part: usize, stops: &[(u32, u32)], beats: u64) -> AssayOperation {
     AssayOperation { mixes: true, ..incubate(part, stops, beats) }
 }
 
-/// A part comes out of another one that is split at a cell, and goes to one beside it.
+/// A part is split off another one at a cell, and goes to the cell beside it.
 pub fn split(half: usize, part: usize, at: (u32, u32), to: (u32, u32)) -> AssayOperation {
     let opposite = (2 * at.0 - to.0, 2 * at.1 - to.1);
     let splits = Some(SplitDroplet { part: half, cell: cell(to.0, to.1) });
@@ -112,7 +113,7 @@ pub fn obstacle(name: &str, body: ElectrodeArrayObstacleBody) -> ElectrodeArrayO
     ElectrodeArrayObstacle { name: name.into(), body, span: Span::default() }
 }
 
-/// The claims of a single task.
+/// Claims of a single task.
 pub fn alone(order: ElectrodeArrayOrder) -> Claims {
     in_turn(vec![order])
 }
@@ -127,8 +128,9 @@ pub fn order_of(claims: &mut Claims, job: usize) -> &mut ElectrodeArrayOrder {
     order
 }
 
-/// For each job, step and part the word that the part follows, a letter for each beat: `R`, `L`, `U`, `D`, or `.` to
-/// rest; before an `o` it has not come yet, each beat a `_`; from an `x` on it is gone. Past its end a part rests.
+/// For each job, step and part the word that the part follows, one letter per beat: `R`, `L`, `U`, `D`, or `.` to
+/// rest. Before an `o` the part is not on the board, with a `_` per beat; from an `x` on it is gone. After the end of
+/// its word a part rests.
 pub type Words<'a> = &'a [&'a [&'a [&'a str]]];
 
 fn shift(letter: char) -> [i64; 2] {
@@ -161,7 +163,7 @@ pub fn electrodes(facts: &ElectrodeArrayFacts, at: ElectrodeCell, letter: char) 
     }
 }
 
-/// The first electrode with the number of another, which gives the channel its name.
+/// The first electrode with the channel number of another one; it names the channel.
 fn first_on_channel(facts: &ElectrodeArrayFacts, own: ElectrodeCell) -> ElectrodeCell {
     let Some(map) = facts.map.as_ref().filter(|map| !map.channels.is_empty()) else { return own };
     let place = |cell: ElectrodeCell| ((cell.row - 1) * facts.columns + cell.column - 1) as usize;
@@ -170,12 +172,12 @@ fn first_on_channel(facts: &ElectrodeArrayFacts, own: ElectrodeCell) -> Electrod
     cell(first % facts.columns + 1, first / facts.columns + 1)
 }
 
-/// A board while its schedule is written.
+/// A board while its schedule is being written.
 struct Writer {
     schedule: Schedule,
     at_ns: u64,
     cells: Vec<Option<ElectrodeCell>>,
-    /// Where the parts of the step come.
+    /// Outlets of the parts that are dispensed in the step.
     outlets: BTreeMap<usize, ElectrodeCell>,
     channels: BTreeMap<ElectrodeCell, u32>,
 }
@@ -274,7 +276,7 @@ impl Writer {
     }
 
     fn follow(&mut self, order: &ElectrodeArrayOrder, words: &[&str], beats: usize, states: &mut Vec<TimedState>) {
-        // An electrode that is on in two beats that follow one another is on in one piece.
+        // An electrode that is on in consecutive beats has one actuation for all of them.
         let mut since: BTreeMap<ElectrodeCell, u64> = BTreeMap::new();
         for beat in 0..beats {
             let mut wanted = BTreeSet::new();
@@ -345,7 +347,7 @@ fn named(cell: ElectrodeCell) -> Channel {
     Channel { name, device: "board".into(), unit: ChannelUnit::Volt, wire: None, rest_v: 0.0 }
 }
 
-/// One more electrode that is on, in a step.
+/// Switches an additional electrode on in a step.
 pub fn switch_on(schedule: &mut Schedule, column: u32, row: u32, step: usize, from: u64, beats: u64) {
     let channel = channel(schedule, cell(column, row));
     let start_ns = schedule.steps[step].start_ns + from * BEAT;

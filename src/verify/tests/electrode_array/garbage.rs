@@ -1,4 +1,4 @@
-//! Nothing that can be read makes the verifier panic, and no claim takes it long.
+//! No readable schedule or claims make the verifier panic, and none take it long.
 
 use super::*;
 use crate::device::electrode_array::{ElectrodeMap, Electrodes, MAX_PARTS};
@@ -58,7 +58,7 @@ fn number() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(100.0), Just(0.5), Just(f64::NAN), Just(f64::INFINITY), Just(-1e308), any::<f64>()]
 }
 
-/// Writes nonsense to one field of a schedule.
+/// Writes an arbitrary value to one field of a schedule.
 fn spoiled(schedule: &mut Schedule, what: u8, at: usize, value: u64, small: u32) {
     let Schedule { duration_ns, channels, actuations, steps, plans, .. } = schedule;
     match what {

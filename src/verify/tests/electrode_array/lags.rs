@@ -1,4 +1,4 @@
-//! Operations that begin soon after others.
+//! Operations that must begin soon after others.
 
 use super::build::{BEAT, assay, incubate, merge, operation};
 use super::judged;
@@ -6,7 +6,7 @@ use crate::claims::electrode_array::{AssayOperation, OperationLag};
 use crate::source::Span;
 use crate::verify::Rule;
 
-/// What begins after the first operation, so many beats later at most.
+/// An operation that begins at most `beats` beats after the first one.
 fn soon(operation: AssayOperation, after: Vec<usize>, beats: u64) -> AssayOperation {
     let within = OperationLag { of: vec![0], most_ns: beats * BEAT + BEAT / 2, span: Span::default() };
     AssayOperation { after, within: Some(within), ..operation }
@@ -17,7 +17,7 @@ fn a_stay_begins_in_time() {
     let parts = [("a", 4, 4), ("b", 10, 4)];
     let two = |beats| assay(&parts, vec![incubate(0, &[], 3), soon(incubate(1, &[], 2), vec![0], beats)]);
     judged(two(0), &["...", "....."], &[]);
-    // It goes away and comes back, and begins two beats later.
+    // It moves away and comes back, and begins two beats later.
     judged(two(2), &["...", "...RL.."], &[]);
     judged(two(1), &["...", "...RL.."], &[Rule::Lag]);
 }

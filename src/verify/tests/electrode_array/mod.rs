@@ -148,7 +148,7 @@ fn messages_name_cells_parts_times_and_limits() {
     assert_eq!(weak, "electrode (4, 14) goes from 100 V to 50 V at 0 ms, 100 V is needed");
 }
 
-/// One step of moves with one word for each part.
+/// A schedule of a single step, with one word for each part.
 fn one_step(order: ElectrodeArrayOrder, words: &[&str]) -> (Schedule, Claims) {
     let claims = alone(order);
     (schedule(&claims, &[&[words]]), claims)
@@ -302,7 +302,7 @@ fn a_wait_lasts_as_claimed() {
     passes(&schedule(&claims(u64::MAX), &[&[&[]]]), &claims(u64::MAX));
 }
 
-/// The droplet's way is the same on all three boards; what lies on it differs.
+/// The droplet's path is the same on all three boards; the electrodes along it differ.
 #[test]
 fn no_electrode_is_on_that_does_not_work_or_is_not_there() {
     let claims = |gaps: &[ElectrodeCell], disabled: &[ElectrodeCell]| {

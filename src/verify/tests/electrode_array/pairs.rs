@@ -1,4 +1,5 @@
-//! The rule of distance, seen from bodies and electrodes, against the plain formula: every pair of actions at every offset.
+//! The separation rule by bodies and electrodes, compared with the plain formula: every pair of actions at every
+//! offset.
 
 use super::*;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
@@ -7,14 +8,14 @@ const LETTERS: [char; 5] = ['R', 'L', 'U', 'D', '.'];
 
 const SPAN: i64 = 9;
 
-/// All four combinations of starts and ends keep the distance.
+/// All four combinations of starts and ends keep the separation.
 fn plain(one: ElectrodeCell, letter: char, other: ElectrodeCell, other_letter: char, separation: u32) -> bool {
     let ends = [other, moved(other, other_letter)];
     [one, moved(one, letter)].iter().all(|one| ends.iter().all(|other| one.apart(*other) >= separation))
 }
 
-/// Bodies keep the distance at the start, halfway and at the end of a simultaneous move, and no electrode of one part lies within one
-/// row and column of an electrode of the other (section 3.2 of the model).
+/// Bodies keep the separation at the start, halfway and at the end of a simultaneous move, and no electrode of one
+/// part lies within one row and column of an electrode of the other (section 3.2 of the model).
 fn in_step(
     facts: &ElectrodeArrayFacts,
     one: (ElectrodeCell, char),
@@ -56,7 +57,7 @@ fn verified(facts: &ElectrodeArrayFacts, one: (ElectrodeCell, char), other: (Ele
     found.is_empty()
 }
 
-/// Compares on all cases; `needed` is the least distance by the formula.
+/// Compares the two on all cases and returns their number; `needed` is the least distance by the formula.
 fn compare(facts: &ElectrodeArrayFacts, needed: u32) -> usize {
     let here = cell(25, 25);
     let mut cases = 0;
@@ -97,8 +98,8 @@ fn droplets_are_judged_by_the_plain_formula() {
     }
 }
 
-/// Parts that move in step, and electrodes that pull no other part, come to the same as the formula where the separation is
-/// that of the model.
+/// Simultaneous bodies, together with electrodes that pull no other part, are equivalent to the formula if the
+/// separation is that of the model.
 #[test]
 fn bodies_in_step_and_electrodes_give_the_plain_formula() {
     let held = chip(60, 60);

@@ -1,4 +1,4 @@
-//! Operations whose places the plan chooses.
+//! Operations with several possible places, of which the plan chooses one.
 
 use super::assay::recorded;
 use super::build::{alone, assay, discard, incubate, schedule, split};
@@ -13,7 +13,7 @@ use crate::verify::Rule;
 use crate::verify::tests::{only, passes, rules, why};
 use std::sync::Arc;
 
-/// An operation at one of some cells.
+/// An operation at one of several cells.
 fn among(operation: AssayOperation, cells: &[(u32, u32)]) -> AssayOperation {
     let stop = |(column, row): (u32, u32)| ElectrodeArrayStop {
         cell: super::build::cell(column, row),
@@ -29,7 +29,7 @@ fn at(operation: ScheduledOperation, cell: [u32; 2]) -> ScheduledOperation {
     ScheduledOperation { at: Some(cell), ..operation }
 }
 
-/// `a` goes two to the right and stays there for three beats, as the second of two places.
+/// `a` goes two cells to the right and stays there, the second of two places, for three beats.
 fn sound() -> (Schedule, Claims) {
     let operations = vec![among(incubate(0, &[], 3), &[(4, 8), (6, 4)]), incubate(0, &[(7, 4)], 1)];
     let (mut schedule, claims) = one_step(assay(&[("a", 4, 4)], operations), &["RR...R."]);
@@ -50,7 +50,7 @@ fn an_operation_takes_place_where_the_program_lets_it() {
     forged(&|all| all[0].at = Some([6, 5]));
     forged(&|all| all[1].at = Some([7, 4]));
     forged(&|all| all.clear());
-    // The other place is one of the program's, but not where it was.
+    // The other place is one of the program's, but not the one that was used.
     let (mut elsewhere, claims) = sound();
     elsewhere.steps[0].operations[0].at = Some([4, 8]);
     assert_eq!(rules(&elsewhere, &claims), [Rule::Figure, Rule::Goal]);
@@ -64,7 +64,7 @@ fn no_place_is_chosen_that_is_not_open() {
     only(Rule::Choice, &schedule, &claims);
 }
 
-/// What it does elsewhere than at the recorded place is all that is wrong.
+/// The only fault is that the recorded place is not named by the program.
 #[test]
 fn a_place_that_is_not_named_is_found_by_nothing_else() {
     let (schedule, claims) = sound();

@@ -1,4 +1,4 @@
-//! Random motions that keep the plain rule are accepted; changed in one actuation they are refused.
+//! Random motions that keep the plain rule are accepted; with one mutated actuation they are rejected.
 
 use super::*;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
@@ -7,7 +7,7 @@ use proptest::sample::Index;
 
 const LETTERS: [char; 5] = ['R', 'L', 'U', 'D', '.'];
 
-/// A task and the words that keep it.
+/// A task and the words that fulfil it.
 #[derive(Debug, Clone)]
 struct Scenario {
     claims: Claims,
@@ -22,7 +22,8 @@ impl Scenario {
     }
 }
 
-/// The random draw: kind of board, places of obstacles and parts, and for each step and beat the attempted move of each part.
+/// The random draw: kind of board, cells of obstacles and parts, and for each step and beat the attempted move of each
+/// part.
 type Draw = (u8, (u32, u32), Vec<(Index, Index)>, Vec<(Index, Index)>, Vec<Vec<Vec<Index>>>);
 
 fn draw() -> impl Strategy<Value = Draw> {
@@ -43,7 +44,7 @@ fn board(sort: u8, columns: u32, rows: u32) -> ElectrodeArrayFacts {
     }
 }
 
-/// The test's own version of the rule.
+/// The test's own implementation of the rule.
 struct Rules {
     facts: ElectrodeArrayFacts,
     blocks: Vec<ElectrodeCell>,
@@ -70,7 +71,7 @@ impl Rules {
         one.iter().all(|one| other.iter().all(|other| one.apart(*other) >= self.apart()))
     }
 
-    /// The letter that a part may follow, as it would, if the others stand or go as they do.
+    /// The letter that a part attempts, or a rest if the rule forbids it, given the paths of the others.
     fn letter(&self, part: usize, would: Index, ways: &[[ElectrodeCell; 2]]) -> char {
         let letter = LETTERS[would.index(LETTERS.len())];
         let at = ways[part][0];
@@ -122,7 +123,7 @@ fn scenario() -> impl Strategy<Value = Scenario> {
     })
 }
 
-/// One step: the attempted moves, as far as they keep the rule.
+/// One step: the attempted moves, as far as the rule allows them.
 fn walk(rules: &Rules, cells: &mut [ElectrodeCell], beats: &[Vec<Index>]) -> (Vec<ElectrodeArrayMove>, Vec<String>) {
     let mut words = vec![String::new(); cells.len()];
     let mut stops: Vec<Vec<(u32, u32)>> = vec![Vec::new(); cells.len()];
@@ -143,7 +144,7 @@ fn walk(rules: &Rules, cells: &mut [ElectrodeCell], beats: &[Vec<Index>]) -> (Ve
     (goals.collect(), words)
 }
 
-/// One change of one actuation, or of two.
+/// One mutation, of one actuation or of two.
 #[derive(Debug, Clone)]
 enum Mutation {
     Drop(Index),
@@ -234,7 +235,7 @@ fn to_goal(
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Harmless is the mutant that has the very actuations it came from.
+    /// A mutant passes only if its actuations are those of the original.
     #[test]
     fn a_mutant_is_refused_or_the_same(scenario in scenario(), mutations in prop::collection::vec(mutation(), 5)) {
         let sound = scenario.schedule();
@@ -247,7 +248,7 @@ proptest! {
         }
     }
 
-    /// Two droplets that merge keep the rule except at their goal; and there they stay.
+    /// Two droplets that merge keep the rule except at their goal, and stay there once they have arrived.
     #[test]
     fn merging_is_judged_by_the_rule_besides_the_goal(
         is_held: bool,
@@ -260,7 +261,7 @@ proptest! {
         let [one, other] = [0, 1].map(|at| to_goal(starts[at], &strolls[at], rows_first[at], goal));
         let position = |path: &[ElectrodeCell], instant: usize| path[instant.min(path.len() - 1)];
         let near = |a: ElectrodeCell, b: ElectrodeCell| a != goal && b != goal && a.apart(b) < 2;
-        // Before the first step nothing is moving to the goal, so parts keep apart like any others.
+        // Before the first step nothing moves to the goal, so parts keep apart as usual.
         let safe = starts[0].apart(starts[1]) >= 2 && (0..one.1.len().max(other.1.len())).all(|t| {
             let now = [position(&one.1, t), position(&other.1, t)];
             let next = [position(&one.1, t + 1), position(&other.1, t + 1)];
@@ -270,7 +271,7 @@ proptest! {
         let names = [("a", starts[0]), ("b", starts[1])].map(|(name, at)| (name, at.column, at.row));
         let (schedule, claims) = one_step(moving(facts, &names, vec![merge(0, 1, (8, 8))]), &[&one.0, &other.0]);
         let accepted = rules(&schedule, &claims).is_empty();
-        // A droplet that nothing holds follows the other one's electrode where it would rest beside the goal.
+        // A droplet that is not held follows the other one's electrode if it rests beside the goal.
         prop_assert!(safe || !accepted);
         prop_assert!(accepted || !safe || !is_held);
     }

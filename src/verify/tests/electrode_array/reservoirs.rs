@@ -1,4 +1,4 @@
-//! Reservoirs with pads: the frames that make a droplet, and who may be near meanwhile.
+//! Reservoirs with pads: the frames that dispense a droplet, and the droplets nearby meanwhile.
 
 use super::build::{BEAT, alone, assay, cell, chip, dispense, go, operation, order, schedule, without_places};
 use super::{one_step, rules, why};
@@ -11,7 +11,7 @@ use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
 use crate::verify::Rule;
 use std::sync::Arc;
 
-/// Two beats of a frame, and two frames before the outlet is pulled; the last one holds the droplet alone.
+/// Frames of two beats each; in the first two the outlet is off, and in the last one it holds the droplet alone.
 const FRAMES: [(&[u32], bool); 4] = [(&[500], false), (&[500, 501], false), (&[501], true), (&[], true)];
 
 fn sequence(outlet: (u32, u32), frames: &[(&[u32], bool)]) -> DispenseSequence {
@@ -24,7 +24,7 @@ fn facts(pads: ReservoirPads) -> ElectrodeArrayFacts {
     ElectrodeArrayFacts { map: Some(Arc::new(map)), reservoirs: Some(Arc::new(pads)), ..chip(14, 14) }
 }
 
-/// `a` comes out of the reservoir at (4, 4) in eight beats and goes one to the right, beside a droplet that stays.
+/// `a` is dispensed at (4, 4) in eight beats; `then` has the later operations. `b` stays far away.
 fn made(then: Vec<AssayOperation>) -> ElectrodeArrayOrder {
     let operations: Vec<AssayOperation> = std::iter::once(dispense(0, (4, 4), 8)).chain(then).collect();
     let pads = ReservoirPads { frame_ns: 2 * BEAT, sequences: vec![sequence((4, 4), &FRAMES)] };
@@ -32,13 +32,13 @@ fn made(then: Vec<AssayOperation>) -> ElectrodeArrayOrder {
     without_places(ElectrodeArrayOrder { facts: facts(pads), ..order }, &[0])
 }
 
-/// What is on: a channel by its name, from a beat to another.
+/// A pulse on a channel: its name, and the beats from which and until which it is on.
 type PadPulse = (&'static str, u64, u64);
 
-/// The pads as the frames have them, for a droplet that comes from the first beat on.
+/// The pads as the frames demand, for a droplet that is dispensed from the first beat on.
 const SOUND: [PadPulse; 2] = [("pad500", 0, 4), ("pad501", 2, 6)];
 
-/// The schedule of [`made`] with some pads on, and with the outlet off before a beat.
+/// The schedule of an order like [`made`], with some pads on, and with the outlet off before a beat.
 fn played(order: ElectrodeArrayOrder, words: &[&str], outlet_from: u64, pads: &[PadPulse]) -> (Schedule, Claims) {
     let (mut schedule, claims) = one_step(order, words);
     let begins = words[0].find('o').unwrap_or_default() as u64;
@@ -76,7 +76,7 @@ const WORDS: [&str; 2] = ["o.......R", "........."];
 fn a_droplet_is_made_by_its_frames() {
     found(&WORDS, 4, &SOUND, &[]);
     found(&["__o.......R", "..........."], 4, &[("pad500", 2, 6), ("pad501", 4, 8)], &[]);
-    // Without the first frame nothing comes.
+    // Without the first frame no droplet comes.
     found(&WORDS, 4, &[], &[Rule::State]);
     found(&WORDS, 4, &[("pad501", 2, 6)], &[Rule::State]);
 }
@@ -94,7 +94,7 @@ fn pads_and_outlets_follow_the_frames_and_nothing_else() {
     for early in [0, 2, 3] {
         found(&WORDS, early, &SOUND, &[Rule::Reservoir]);
     }
-    // Too late, the droplet lies on an electrode that is off.
+    // If the outlet is on too late, the droplet rests on an electrode that is off.
     found(&WORDS, 5, &SOUND, &[Rule::Hold]);
 }
 
@@ -111,7 +111,7 @@ fn pads_have_the_potential_of_the_device_and_are_switched_between_beats() {
     let (mut schedule, claims) = sound();
     pad(&mut schedule, &|own| own.duration_ns -= 1);
     assert_eq!(rules(&schedule, &claims), [Rule::Beat]);
-    // A channel that no reservoir has.
+    // A channel that belongs to no reservoir.
     let (mut schedule, claims) = sound();
     schedule.channels.iter_mut().filter(|own| own.name.ends_with("pad500")).for_each(|own| own.name.push('0'));
     assert_eq!(rules(&schedule, &claims), [Rule::Channel]);

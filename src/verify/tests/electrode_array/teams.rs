@@ -1,4 +1,4 @@
-//! Interchangeable goals: at each is one of the parts, whichever.
+//! Interchangeable goals: each is reached by any part of the team.
 
 use super::build::{chip, go};
 use super::{judged, moving};
@@ -18,12 +18,12 @@ fn two(goals: [(u32, u32); 2], more: Option<ElectrodeArrayMove>) -> ElectrodeArr
 
 #[test]
 fn each_goal_has_one_of_the_parts() {
-    // As they are written, and the other way round.
+    // In the order of the program, and exchanged.
     judged(two([(6, 4), (6, 8)], None), &["RR", "RR", ""], &[]);
     judged(two([(6, 8), (6, 4)], None), &["RR", "RR", ""], &[]);
     judged(two([(6, 8), (6, 4)], None), &["R", "RR", ""], &[Rule::Goal]);
     judged(two([(6, 8), (6, 4)], None), &["RRR", "RR", ""], &[Rule::Goal]);
-    // One of them is at a goal already, and stays there.
+    // One of them is at a goal from the start and stays there.
     judged(two([(4, 8), (6, 4)], None), &["RR", "", ""], &[]);
     judged(two([(4, 8), (6, 4)], None), &["RR", "R", ""], &[Rule::Goal]);
 }

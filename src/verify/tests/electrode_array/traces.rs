@@ -41,7 +41,7 @@ fn a_wash_takes_traces_away_where_it_has_been() {
         (["UUUU", "............LLLLLLLL", "....UUUUDDDD"], ["UUUU", "....LLLLLLLL", "............UUUUDDDD"]);
     judged(avoiding(crossing(), &[("a", "b")], &["c"]), &last, &[]);
     judged(avoiding(crossing(), &[("a", "b")], &["c"]), &first, &[Rule::Trace]);
-    // What washes takes no harm and does none.
+    // A washing droplet is neither contaminated nor contaminates others.
     judged(avoiding(crossing(), &[("a", "c"), ("c", "b")], &["c"]), &last, &[]);
     judged(avoiding(crossing(), &[("a", "b")], &["b"]), &last, &[]);
 }
@@ -58,7 +58,7 @@ fn what_merges_is_all_that_both_were() {
         avoiding(assay(&[("a", 3, 5), ("b", 7, 5), ("c", 6, 8)], then), &[("b", "a"), (third, "a")], &[])
     };
     judged(back("b"), &["RRRR", "LLx", ""], &[]);
-    // The half of a mixture is one too.
+    // The half of a mixture is a mixture too.
     let halves = |avoided: &[(&str, &str)]| {
         let operations = vec![
             merges.clone(),
@@ -88,7 +88,7 @@ fn what_a_reservoir_dispenses_is_that_fluid() {
     judged(order(&[("b", "dye")]), &words, &[Rule::Trace]);
 }
 
-/// Who leaves at an outlet and who is dispensed there at the same instant touch.
+/// A part that leaves at an outlet and one that is dispensed there at the same instant touch.
 #[test]
 fn who_leaves_as_another_comes_is_there_with_it() {
     let comes = AssayOperation { fluid: Some("dye".to_owned()), ..dispense(1, (4, 4), 1) };

@@ -1,4 +1,4 @@
-//! Heaters, detectors and magnets, and who stays there.
+//! Stays in heaters, detectors and magnets.
 
 use super::build::{alone, assay, cell, incubate, merge, operation, schedule};
 use super::{judged, why};
@@ -7,7 +7,7 @@ use crate::source::Span;
 use crate::verify::Rule;
 use std::sync::Arc;
 
-/// One zone between two corners.
+/// The order with one zone between two corners.
 fn with_zone(order: ElectrodeArrayOrder, sort: ZoneSort, [from, to]: [(u32, u32); 2]) -> ElectrodeArrayOrder {
     let (from, to) = (cell(from.0, from.1), cell(to.0, to.1));
     let zone = BoardZone { name: "zone".into(), sort, from, to, span: Span::default() };
@@ -20,7 +20,7 @@ fn inside(operation: AssayOperation, temperature_k: Option<f64>) -> AssayOperati
 
 const TWO: [(&str, u32, u32); 2] = [("a", 4, 4), ("b", 10, 4)];
 
-/// `a` goes two to the right and is read there for two beats.
+/// `a` goes two cells to the right and is read there for two beats.
 fn read(corners: [(u32, u32); 2]) -> ElectrodeArrayOrder {
     let operations = vec![inside(incubate(0, &[(6, 4)], 2), None), incubate(1, &[(9, 4)], 1)];
     with_zone(assay(&TWO, operations), ZoneSort::Detector, corners)
@@ -30,11 +30,11 @@ fn read(corners: [(u32, u32); 2]) -> ElectrodeArrayOrder {
 fn a_part_is_within_the_zone_for_its_time() {
     judged(read([(6, 4), (6, 4)]), &["RR..", "..L."], &[]);
     judged(read([(5, 3), (7, 5)]), &["RR..", "..L."], &[]);
-    // It stays where the claims have it stay, and for its time, but that is no electrode of the zone.
+    // It stays at its stop for the whole time, but outside the zone.
     for beside in [[(7, 4), (8, 4)], [(4, 4), (5, 4)], [(6, 5), (6, 6)], [(6, 2), (6, 3)]] {
         judged(read(beside), &["RR..", "..L."], &[Rule::Zone]);
     }
-    // Too short a stay is none at its stop.
+    // Too short a stay at its stop does not count as one.
     judged(read([(6, 4), (6, 4)]), &["RR.", ".L."], &[Rule::Goal]);
 }
 
@@ -45,7 +45,7 @@ fn a_part_is_alone_where_it_is_read() {
     // The other one comes in as soon as the first one has been read.
     judged(read(wide), &["RR....", "....L."], &[]);
     judged(read(wide), &["RR...", "...L."], &[Rule::Zone]);
-    // Heaters and magnets do not mind.
+    // Heaters and magnets may be shared.
     let with = |sort, temperature_k| {
         let operations = vec![inside(incubate(0, &[(6, 4)], 2), temperature_k), incubate(1, &[(9, 4)], 1)];
         with_zone(assay(&TWO, operations), sort, wide)
@@ -54,7 +54,7 @@ fn a_part_is_alone_where_it_is_read() {
     judged(with(ZoneSort::Magnet, None), &["RR..", "..L."], &[]);
 }
 
-/// Two droplets that have merged are one from that instant on, which may be the first one of the reading.
+/// Two droplets that have merged are one from that instant on, and it may be the first instant of the reading.
 #[test]
 fn a_droplet_is_read_where_it_has_merged() {
     let operations = vec![operation(merge(0, 1, (6, 4))), inside(incubate(0, &[(6, 4)], 2), None)];

@@ -1,4 +1,4 @@
-//! Makes claims on a hand, and schedules of its tips by the law of rolling, with records of its own.
+//! Builds claims on a hand, and schedules of its tips by the law of rolling, with independent records.
 
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersStep, Section};
 use crate::claims::fixture::hand_order;
@@ -19,7 +19,7 @@ pub type Point = Vector3<f64>;
 
 pub const MS: u64 = 1_000_000;
 
-/// Pieces of a rolling step.
+/// Lines per rolling step.
 pub const CHORDS: u32 = 8;
 
 pub fn facts() -> FingersFacts {
@@ -35,7 +35,7 @@ pub fn facts() -> FingersFacts {
     }
 }
 
-/// An ellipse of these semi-axes, with as many contacts as fit.
+/// An ellipse with these semi-axes, with as many contacts as fit.
 pub fn section(semi_um: [f64; 2]) -> Section {
     with_contacts(Outline::Ellipse { semi_um })
 }
@@ -65,7 +65,7 @@ pub fn order_of(claims: &mut Claims, job: usize) -> &mut FingersOrder {
     order
 }
 
-/// Straight lines of all tips for a duration, and the state at the end where it is recorded.
+/// Straight lines of all tips for a duration, and the state at the end, if it is recorded.
 #[derive(Debug, Clone)]
 pub struct Line {
     pub duration_ns: u64,
@@ -73,7 +73,7 @@ pub struct Line {
     pub state: Option<State>,
 }
 
-/// A hand while its day is written.
+/// A hand while its schedule is being written.
 #[derive(Debug, Clone)]
 pub struct Day {
     pub order: FingersOrder,
@@ -118,7 +118,7 @@ impl Day {
         day
     }
 
-    /// The day that follows another day of the same hand.
+    /// The continuation of this day with another order.
     pub fn after(&self, order: FingersOrder) -> Day {
         let (first, start_um) = (self.state(), self.tips_um.clone());
         Day { order, first, start_um, lines: Vec::new(), effort_deg: 0.0, reconfigurations: 0, ..self.clone() }
@@ -157,20 +157,20 @@ impl Day {
         self
     }
 
-    /// All tips go straight to where they are now.
+    /// Adds a line of all tips, straight to their present positions.
     pub fn line(&mut self, duration_ns: u64) {
         let tips_um = self.tips_um.clone();
         self.lines.last_mut().expect("a step").push(Line { duration_ns, tips_um, state: None });
     }
 
-    /// The state is recorded.
+    /// Records the state at the end of the last line.
     pub fn record(mut self) -> Day {
         let state = self.state();
         self.lines.last_mut().and_then(|lines| lines.last_mut()).expect("a line").state = Some(state);
         self
     }
 
-    /// Where the tip on a contact is, and `out_um` farther off along the normal.
+    /// Position of the tip on a contact, moved off by `out_um` along the normal.
     pub fn seat_um(&self, rolled_rad: f64, out_um: f64) -> Point {
         let (curve, radius_um) = (self.curve(), self.order.facts.tip_radius_um);
         let spot = curve.spot(curve.way_rolled_um(rolled_rad, radius_um));
@@ -184,14 +184,14 @@ impl Day {
         f64::from(contact - 1) * self.section().step_rad
     }
 
-    /// A free finger goes somewhere.
+    /// A free finger flies to a point.
     pub fn fly(mut self, finger: usize, to_um: Point) -> Day {
         self.tips_um[finger] = to_um;
         self.line(100 * MS);
         self
     }
 
-    /// A free finger approaches a contact: round the part high above it, down, in and slowly to touch.
+    /// A free finger approaches a contact: high above the part and round it, down, in, and slowly until it touches.
     pub fn come(self, finger: usize, contact: u32) -> Day {
         self.come_off(finger, contact, 0.0)
     }
@@ -211,7 +211,7 @@ impl Day {
         self
     }
 
-    /// A finger leaves along the normal.
+    /// A finger leaves its contact along the normal.
     pub fn go(mut self, finger: usize) -> Day {
         let rolled_rad = self.rolled_rad(self.grasp[finger]);
         self.grasp[finger] = 0;
@@ -222,14 +222,14 @@ impl Day {
         self
     }
 
-    /// Counts a finger that comes or goes.
+    /// Counts a finger that comes or leaves.
     pub fn counted(mut self) -> Day {
         self.effort_deg += self.order.facts.gaiting_cost_deg;
         self.reconfigurations += 1;
         self
     }
 
-    /// The part turns by a share of a step, in one line; positive turns leave contact 2 for 1.
+    /// Turns the part by a fraction of a step, in one line; positive turns lead from contact 2 to contact 1.
     pub fn turned(&mut self, start: &Day, share: f64) {
         let turn_rad = share * self.section().step_rad;
         let axis = Point::from(self.plane.normal());
@@ -242,7 +242,7 @@ impl Day {
         self.line(100 * MS);
     }
 
-    /// The fingers roll by whole steps, each of them recorded.
+    /// Rolls by whole steps and records each of them.
     pub fn roll(mut self, steps: i64) -> Day {
         let count = self.section().contacts;
         for _ in 0..steps.unsigned_abs() {
@@ -261,7 +261,7 @@ impl Day {
         self
     }
 
-    /// Another turn begins, in a plane in which the fingers hold as well.
+    /// Begins another turn, in a plane in which the fingers hold as well.
     pub fn turn(mut self, plane: Plane) -> Day {
         if plane != self.plane {
             let opposite = [self.section().opposite, self.order.part.section(plane).and_then(|s| s.opposite)];
@@ -273,7 +273,7 @@ impl Day {
         self
     }
 
-    /// Everything moves.
+    /// Carries the part with all fingers.
     pub fn carry(mut self, by: [f64; 3]) -> Day {
         let half_um = Point::from(by) / 2.0;
         for _ in 0..2 {
@@ -284,7 +284,7 @@ impl Day {
         self.record()
     }
 
-    /// Nothing moves.
+    /// Rests for a duration.
     pub fn still(mut self, duration_ns: u64) -> Day {
         self.line(duration_ns);
         self
@@ -302,7 +302,7 @@ impl Day {
     }
 }
 
-/// The schedule of these days, one after the other, with their records.
+/// The schedule of successive days, with their records.
 pub fn schedule(claims: &Claims, days: &[Day]) -> Schedule {
     let mut schedule = bare(claims);
     let fingers = days[0].order.facts.fingers as usize;

@@ -1,4 +1,4 @@
-//! Nothing that can be read makes the verifier panic.
+//! No readable schedule or claims make the verifier panic.
 
 use super::*;
 use crate::claims::Claims;
@@ -23,13 +23,13 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Two fingers take the bead and roll it once.
+/// Two fingers grasp the bead and roll it by one step.
 fn sound() -> (Schedule, Claims) {
     let day = Day::new(order()).step(FingersAction::Grasp(None)).come(0, 1).come(1, 38).record();
     day.rotate(Plane::Xy, 1).roll(1).step(FingersAction::Release).go(0).go(1).record().both()
 }
 
-/// Writes nonsense to one field of a schedule.
+/// Writes an arbitrary value to one field of a schedule.
 fn spoiled(schedule: &mut Schedule, what: u8, at: usize, value: u64, small: u32, number: f64) {
     let Schedule { duration_ns, channels, actuations, steps, plans, .. } = schedule;
     match what {
@@ -54,7 +54,7 @@ fn spoiled(schedule: &mut Schedule, what: u8, at: usize, value: u64, small: u32,
     }
 }
 
-/// Moves whole tips at joints of lines, so that axes stay whole.
+/// Moves whole tips where two lines meet, so that axes stay continuous.
 fn shaken(schedule: &mut Schedule, shakes: &[(u32, u32, usize, f64)]) {
     for (finger, axis, line, by_um) in shakes {
         let count = lines(schedule, finger % 3, axis % 3).len();
@@ -80,7 +80,7 @@ proptest! {
         verify(schedule, &claims);
     }
 
-    /// Tips go wherever they like.
+    /// Tips move to arbitrary positions.
     #[test]
     fn shaken_tips_are_judged(shakes in prop::collection::vec((0..3u32, 0..3u32, 0..100usize, -40.0..40.0f64), 1..6)) {
         let (mut schedule, claims) = sound();
@@ -136,7 +136,7 @@ fn part_of(order: &mut FingersOrder) -> &mut crate::claims::fingers::HandPart {
     Arc::make_mut(&mut order.part)
 }
 
-/// Claims that no program has, and a word of the message.
+/// Claims that no program has, with part of the reason.
 const UNFIT: &[UnfitOrder<FingersOrder>] = &[
     ("too few fingers", |order| facts_of(order).fingers = 2),
     ("too few fingers", |order| facts_of(order).fingers = 7),
@@ -187,7 +187,7 @@ fn claims_that_no_program_has_are_inconclusive() {
     each_unfit((&schedule, &claims), order_of, UNFIT);
 }
 
-/// Other facts, or another part, on the same device.
+/// A run has other facts, or another part, on the same device.
 #[test]
 fn a_hand_has_one_set_of_facts_and_one_part() {
     let because = |edit: fn(&mut FingersOrder), expected: &str| {

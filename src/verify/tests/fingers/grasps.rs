@@ -1,11 +1,11 @@
-//! Which grasps hold, and which fingers may come and leave.
+//! Grasps that hold, and fingers that may come and leave.
 
 use super::*;
 use crate::claims::fingers::{HandPart, Section};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::verify::fingers::forces;
 
-/// A round bead of 72 contacts, at which every quarter is a contact, between fingers of other facts.
+/// A round bead of 72 contacts, so that every quarter turn is a contact, for a hand with edited facts.
 fn round(edit: impl FnOnce(&mut FingersFacts)) -> FingersOrder {
     let mut order = with_facts(edit);
     let section = section([13.5, 13.5]);
@@ -54,7 +54,7 @@ fn no_more_than_three_fingers_hold() {
     assert_eq!(four(&[1, 20, 38, 57]), [Rule::Contact]);
 }
 
-/// One of three tips goes along a round part that the two others hold.
+/// One of three tips moves along a round part that the other two hold.
 #[test]
 fn tips_roll() {
     let slid = |by_um: f64| {
@@ -84,7 +84,7 @@ fn tips_that_only_push_stand_opposite_each_other() {
     let pushed = |friction: f64, contacts: &[u32]| {
         broken(&held(round(|facts| (facts.adhesion, facts.friction) = (Adhesion::Absent, friction)), contacts))
     };
-    // Three contacts of 5 deg off the opposite one.
+    // Half of three contact steps of 5 deg, the offset from the opposite contact.
     let limit = 7.5_f64.to_radians().tan();
     assert_eq!(pushed(0.01, &[1, 37, 0]), []);
     assert_eq!(pushed(limit, &[1, 34, 0]), []);
@@ -94,7 +94,7 @@ fn tips_that_only_push_stand_opposite_each_other() {
     assert_eq!(pushed(0.3, &[1, 10, 19]), [Rule::Equilibrium]);
 }
 
-/// Two tips below a part bear it as a table would; they hold it only if they also hold it without its weight.
+/// Two tips below a part support it as a table would; they hold it only if they also hold it without its weight.
 #[test]
 fn a_part_that_rests_on_tips_is_not_held() {
     let rests = |load_un: [f64; 3], contacts: &[u32]| {
@@ -106,7 +106,7 @@ fn a_part_that_rests_on_tips_is_not_held() {
     assert_eq!(rests([5.0, 5.0, 0.0], &[1, 37, 0]), []);
 }
 
-/// Two tips press with all their force, and friction bears a load along the tangents, in the plane or across.
+/// Two tips press with their greatest force, and friction bears a load along the tangents, in the plane or across it.
 #[test]
 fn loads_are_borne_by_friction() {
     let loaded = |load_un: [f64; 3], sticking: Adhesion| {
@@ -127,7 +127,8 @@ fn loads_are_borne_by_friction() {
     assert_eq!(loaded([0.0, most + 1e-3, 0.0], Adhesion::Absent), [Rule::Equilibrium]);
 }
 
-/// A load beside the line between two tips turns the part about it: they bear that by torsion, a third one by its lever.
+/// A load beside the line between two tips turns the part about that line: two tips bear it by torsion, a third one by
+/// its lever.
 #[test]
 fn torques_balance_in_space() {
     let beside = |torsion_um: f64, contacts: &[u32]| {
@@ -136,14 +137,14 @@ fn torques_balance_in_space() {
         Arc::make_mut(&mut order.part).centre_um = [0.0, 3.0, 0.0];
         broken(&held(order, contacts))
     };
-    // 3 uN um, and 2 x 31.5 uN x torsion.
+    // 3 uN um of torque, against 2 x 31.5 uN x torsion.
     assert_eq!(beside(0.0, &[1, 37, 0]), [Rule::Equilibrium]);
     assert_eq!(beside(0.045, &[1, 37, 0]), [Rule::Equilibrium]);
     assert_eq!(beside(0.048, &[1, 37, 0]), []);
     assert_eq!(beside(0.0, &[1, 37, 19]), []);
 }
 
-/// The load turns in the part's frame as the part turns: a grasp that holds at first need not keep holding.
+/// The load turns relative to the part as the part rolls, so a grasp that holds at first need not keep holding.
 #[test]
 fn equilibrium_is_asked_while_tips_roll() {
     let mut order = round(|facts| (facts.adhesion, facts.friction) = (Adhesion::Absent, 0.1));
@@ -158,7 +159,7 @@ fn equilibrium_is_asked_while_tips_roll() {
     assert_eq!(broken(&rolled), [Rule::Equilibrium]);
 }
 
-/// The two that stay at both ends of the x axis bear the pull along y by friction alone.
+/// The two fingers that stay, at both ends of the x axis, bear the pull along y by friction alone.
 #[test]
 fn those_that_stay_resist_the_one_that_leaves() {
     let left = |removal_safety: f64| {
@@ -184,7 +185,7 @@ fn what_a_part_rests_on_holds_it_in_the_end() {
     assert_eq!(released(0.0, Adhesion::Absent), []);
 }
 
-/// The reported forces of a grasp balance, within the cones.
+/// The reported forces of a grasp balance and lie within the friction cones.
 #[test]
 fn shown_forces_balance() {
     for (contacts, load_un) in [(vec![1, 38, 0], [0.0; 3]), (vec![5, 30, 60], [1.0, -2.0, 0.5])] {
@@ -210,7 +211,7 @@ fn shown_forces_balance() {
     }
     let order = order();
     assert_eq!(forces(&order, &held(order.clone(), &[1, 38, 0]).state()).map(|forces| forces.len()), Some(3));
-    // Nothing balances a load that two tips cannot bear.
+    // No forces balance a load that two tips cannot bear.
     let mut loaded = order.clone();
     loaded.load_un = [0.0, 40.0, 0.0];
     assert_eq!(forces(&loaded, &held(order, &[1, 38, 0]).state()), None);
@@ -218,7 +219,7 @@ fn shown_forces_balance() {
     assert_eq!(forces(&loaded, &other), None);
 }
 
-/// A peanut: a tip that sits in one of its dents must not touch the lobes.
+/// A peanut: a tip in one of its dents must not touch the lobes.
 fn peanut(waist_um: f64) -> Section {
     let point = |at: usize| {
         let (y, x) = (std::f64::consts::TAU * at as f64 / 32.0).sin_cos();
@@ -240,7 +241,7 @@ fn concave_parts_are_rolled() {
     passes(&schedule, &claims);
 }
 
-/// A tip in the waist of a slender peanut would be in its lobes, too.
+/// A tip in the waist of a slender peanut would also be in its lobes.
 #[test]
 fn tips_that_hold_touch_in_one_place_only() {
     let grasped = |waist_um: f64| {

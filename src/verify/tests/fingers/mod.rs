@@ -14,7 +14,7 @@ mod motion;
 mod pace;
 mod stages;
 
-/// Two fingers take the bead and roll it, the third one takes the place of the second, and it is carried and released.
+/// Two fingers grasp the bead and roll it, the third one replaces the second, and the bead is carried and released.
 fn day() -> Day {
     Day::new(order())
         .step(FingersAction::Grasp(Some(vec![1, 38, 0])))
@@ -40,7 +40,7 @@ fn day() -> Day {
         .record()
 }
 
-/// The order of a bead, with other facts.
+/// The order of a bead, with edited facts.
 fn with_facts(edit: impl FnOnce(&mut FingersFacts)) -> FingersOrder {
     let mut order = order();
     edit(Arc::make_mut(&mut order.facts));
@@ -65,7 +65,7 @@ fn shift(schedule: &mut Schedule, finger: u32, axis: u32, line: usize, by_um: f6
     lines[line + 1].from += by_um;
 }
 
-/// Takes one line of an axis out.
+/// Removes one line of an axis.
 fn cut(schedule: &mut Schedule, finger: u32, axis: u32, line: usize) {
     let channel = finger * 3 + axis;
     let of_axis = |(at, line): (usize, &Actuation)| (line.channel == channel).then_some(at);
@@ -73,10 +73,10 @@ fn cut(schedule: &mut Schedule, finger: u32, axis: u32, line: usize) {
     schedule.actuations.remove(at);
 }
 
-/// Index, among the lines of an axis in the day's schedule, of the first one of its second step.
+/// Index of the first line of the day's second step, among the lines of an axis.
 const ROLL: usize = 10;
 
-/// The first line of the part's path through the air.
+/// Index of the first line with which the part is carried.
 const CARRY: usize = ROLL + 8 + 8 + 5 + 8 + 2;
 
 type StateEdit<'a> = (&'a mut Vec<u32>, &'a mut i64, &'a mut Plane, &'a mut [f64; 3], &'a mut [f64; 4]);
@@ -90,7 +90,7 @@ fn with_state(schedule: &mut Schedule, at: usize, edit: impl FnOnce(StateEdit)) 
     edit((grasp, angle_index, plane, position_um, orientation));
 }
 
-/// Records a turn of the second step: three steps as asked for, and `off_deg` more as reached.
+/// Records a turn of the second step: three steps requested, and a result off by `off_deg`.
 fn told_turn(schedule: &mut Schedule, off_deg: f64) {
     let asked_deg = 3.0 * order().part.xy.step_rad.to_degrees();
     let reached_deg = asked_deg + off_deg;

@@ -3,7 +3,7 @@
 use super::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// The rules that the day breaks if the goal of a step is another.
+/// The rules that the day breaks if a step has another action.
 fn asked(nth: usize, action: FingersAction) -> Vec<Rule> {
     let (schedule, mut claims) = day().both();
     order_of(&mut claims, 0).steps[nth].action = action;
@@ -39,7 +39,7 @@ fn steps_come_to_their_goals() {
     assert_eq!(broken(&lonely), [Rule::Goal]);
 }
 
-/// By 40 deg about z and then by -60 deg about the part's own y.
+/// A turn by 40 deg about z, then by -60 deg about the part's own y, with this goal.
 fn oriented(goal: UnitQuaternion<f64>) -> Vec<Rule> {
     let mut order = order();
     let steps = [(Plane::Xy, 2), (Plane::Xz, -3)];
@@ -70,7 +70,7 @@ fn an_orientation_is_reached_by_turns_in_both_planes() {
     assert_eq!(oriented(about(y, -3.0 * step_rad) * about(z, 2.0 * step_rad)), [Rule::Goal]);
 }
 
-/// The plane of a turn follows from the motion of the tips, and a part turned in the wrong one is noticed.
+/// The plane of a turn follows from the motion of the tips, and a turn in the wrong plane is detected.
 #[test]
 fn a_turn_is_about_the_axis_that_is_asked_for() {
     let start = || Day::new(order()).step(FingersAction::Grasp(None)).come(0, 1).come(1, 38).record();
@@ -81,7 +81,7 @@ fn a_turn_is_about_the_axis_that_is_asked_for() {
     assert_eq!(broken(&wrong), [Rule::Goal]);
 }
 
-/// Finger 3 flies somewhere and on.
+/// Finger 3 flies along a list of points, given relative to the part's origin.
 fn past(places: &[[f64; 3]]) -> Vec<Rule> {
     let mut day = Day::new(order()).step(FingersAction::Grasp(None)).come(0, 1).come(1, 38).record();
     let origin_um = day.position_um;
@@ -104,7 +104,7 @@ fn free_tips_keep_clear_of_the_part() {
     let at = |height: f64| [0.6 * height, -0.3 * height, (1.0_f64 - 0.45).sqrt() * height];
     assert_eq!(past(&[above, at(least + 1e-4), above]), []);
     assert_eq!(past(&[above, at(least - 1e-3), above]), [Rule::Pierce]);
-    // Another section is known, too.
+    // The other section is known, too.
     let least = 11.845 + 4.5 + 0.5 - 0.05;
     assert_eq!(past(&[[0.0, -40.0, 40.0], [0.0, 0.0, 40.0], [0.0, 0.0, least + 1e-4]]), []);
     assert_eq!(past(&[[0.0, -40.0, 40.0], [0.0, 0.0, 40.0], [0.0, 0.0, least - 1e-3]]), [Rule::Pierce]);
@@ -130,7 +130,7 @@ fn tips_come_along_the_normal() {
     assert_eq!(grasped(&[(0.0, 30.0), (3.0, 0.4), (0.0, 0.0)]), []);
     assert_eq!(grasped(&[(0.0, 30.0), (5.0, 0.4), (0.0, 0.0)]), [Rule::Pierce]);
     assert_eq!(grasped(&[(0.0, 30.0), (2.0, 0.4), (2.0, 3.0), (0.0, 0.0)]), [Rule::Pierce]);
-    // Nor may it go into the part where it may be near.
+    // Nor may it enter the part where it may be near.
     assert_eq!(grasped(&[(0.0, 30.0), (1.0, 0.4), (0.0, 0.0)]), []);
     assert_eq!(grasped(&[(0.0, 30.0), (1.0, -0.5), (0.0, 0.0)]), [Rule::Pierce]);
 }
@@ -144,7 +144,7 @@ fn tips_keep_clear_of_one_another() {
     };
     assert_eq!(beside(9.0 + 0.5 - 0.05 + 1e-4), []);
     assert_eq!(beside(9.0 + 0.5 - 0.05 - 1e-4), [Rule::Apart]);
-    // Two tips that pass between two instants.
+    // Two tips that pass each other between two instants.
     let mut day = Day::new(order()).step(FingersAction::Grasp(None));
     for finger in [1, 2] {
         day = day.clone().fly(finger, day.tips_um[finger] + Point::new(0.0, 0.0, 40.0));

@@ -1,8 +1,8 @@
-//! Tips keep their speeds: measured from the lines alone, at the limit and just above it.
+//! Speed limits of tips: measured from the lines alone, at the limit and just above it.
 
 use super::*;
 
-/// Two fingers take the bead, roll it, a third one takes the place of one of them, and it is carried on. Nothing waits.
+/// Two fingers grasp the bead and roll it, a third one replaces one of them, and the bead is carried, without waits.
 fn brisk(order: FingersOrder) -> Day {
     Day::new(order)
         .step(FingersAction::Grasp(Some(vec![1, 38, 0])))
@@ -47,7 +47,8 @@ fn with_speeds(edit: impl Fn(&mut FingersFacts)) -> Vec<Rule> {
 fn each_speed_is_a_limit() {
     let day = brisk(order());
     assert_eq!(broken(&day), []);
-    // The longest paths are those of free tips, through the air; the last step carries all of them; tips approach over their last 5 um.
+    // The longest paths are those of free tips, through the air; the last step carries all tips; tips approach over
+    // their last 5 um.
     let free = fastest_um_per_s(&day, |_, _| true);
     let carried = fastest_um_per_s(&day, |step, _| step == 2);
     assert!((carried - 38.0_f64.sqrt() / 2.0 / 0.1).abs() < 1e-9, "{carried} um/s");
@@ -65,7 +66,7 @@ fn each_speed_is_a_limit() {
     }
 }
 
-/// A hand whose tips may be faster near the part than elsewhere is judged by where they are.
+/// A hand whose tips may be faster near the part than elsewhere is judged by their positions.
 #[test]
 fn a_fast_approach_is_fast_near_the_contact_only() {
     let free = fastest_um_per_s(&brisk(order()), |_, _| true);
@@ -74,7 +75,7 @@ fn a_fast_approach_is_fast_near_the_contact_only() {
     assert_eq!(with_speeds(|facts| quick(facts, free * (1.0 - 1e-5))), [Rule::Speed]);
 }
 
-/// The last stretch to a contact begins inside of the slow distance: it is slow from there on.
+/// The last line to a contact begins inside the slow distance, so it must be slow from there on.
 #[test]
 fn tips_are_slow_within_the_distance_of_their_retreat() {
     let coming = |out_um: f64| {

@@ -5,7 +5,7 @@ use crate::device::instrument::{
 };
 use crate::source::Span;
 
-/// The day with its first channel on a controller.
+/// The day with its first channel on a stage controller.
 fn on_stage(link: Link, limits: StageLimits) -> (Schedule, Claims) {
     let (mut schedule, mut claims) = day().both();
     let facts = StageControllerFacts {
@@ -25,7 +25,7 @@ fn on_stage(link: Link, limits: StageLimits) -> (Schedule, Claims) {
     (schedule, claims)
 }
 
-/// A stage that is just long and fast enough, and ones that are not quite.
+/// A stage that is just long and fast enough, and stages that are not quite.
 #[test]
 fn stages_move_within_their_travel_and_no_faster_than_they_can() {
     let (schedule, _) = day().both();

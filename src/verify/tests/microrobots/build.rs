@@ -1,4 +1,5 @@
-//! Makes claims on a bed, and schedules from legs, with a lowering, a motion in tiny steps and records of its own.
+//! Builds claims on a bed, and schedules from legs, with an independent lowering, motion in tiny steps, and
+//! independent records.
 
 use crate::claims::fixture::bed_order;
 use crate::claims::microrobots::{
@@ -14,17 +15,18 @@ use crate::source::Span;
 use crate::verify::tests::{self, bare, record_of, step_of};
 use std::f64::consts::TAU;
 
-/// A stroke.
+/// Period of a stroke, in nanoseconds.
 pub const PERIOD: u64 = 100_000;
 
-/// A level of a control cycle.
+/// Dwell time of a level of a control cycle, in nanoseconds.
 pub const DWELL: u64 = 5_000_000;
 
 fn robot(name: &str, snap_down_v: f64, release_v: f64) -> Robot {
     Robot { snap_down_v, release_v, length_um: 240.0, ..fixture::robot(name, 100.0, 0.5) }
 }
 
-/// The table of the design notes, which is an example and not measured; D4 turns the other way, wider and with longer steps.
+/// The table of the design notes, which is an example and not measured. D4 turns to the other side, and has a wider
+/// circle and longer steps.
 pub fn facts() -> MicrorobotsFacts {
     let last = Robot {
         turning: Turning::Counterclockwise,
@@ -48,7 +50,7 @@ pub fn states() -> Vec<ControlState> {
     fixture::string_states(4, 0.5, |down| cycles[down].to_vec())
 }
 
-/// Robots by row, x, y and heading.
+/// An order with robots by row, x, y and heading.
 pub fn order(robots: &[(usize, f64, f64, f64)]) -> MicrorobotsOrder {
     let place = |(row, x, y, deg): &(usize, f64, f64, f64)| (*row, pose(*x, *y, *deg));
     bed_order(facts(), states(), robots.iter().map(place))
@@ -78,9 +80,9 @@ pub struct Leg {
     pub state: usize,
     pub strokes: u64,
     pub docks: Vec<usize>,
-    /// Without voltage, before it.
+    /// Pause without voltage before the leg.
     pub pause_ns: u64,
-    /// On top of the dwell time, for each level.
+    /// Time in addition to the dwell time, for each level.
     pub linger_ns: u64,
 }
 
@@ -92,14 +94,14 @@ pub fn legs(all: &[(usize, u64)]) -> Vec<Leg> {
     all.iter().map(|(state, strokes)| leg(*state, *strokes)).collect()
 }
 
-/// The unicycle in tiny steps by the classical Runge-Kutta method.
+/// The unicycle model, integrated in tiny steps by the classical Runge-Kutta method.
 pub fn carried(robot: &Robot, arm: Arm, from: Pose, way_um: f64) -> Pose {
     let turning_per_um = match (arm, robot.turning) {
         (Arm::Up, _) => 0.0,
         (Arm::Down, Turning::Clockwise) => -1.0 / robot.turning_radius_um,
         (Arm::Down, Turning::Counterclockwise) => 1.0 / robot.turning_radius_um,
     };
-    // Straight on one step will do, and whole turns need none.
+    // A straight path needs one step, and whole turns need none.
     let (way_um, longest_um) = match arm {
         Arm::Up => (way_um, way_um.max(1.0)),
         Arm::Down => (way_um % (TAU * robot.turning_radius_um), 0.5),
@@ -118,7 +120,7 @@ pub fn carried(robot: &Robot, arm: Arm, from: Pose, way_um: f64) -> Pose {
     pose
 }
 
-/// An order while its steps are written, with the legs that keep them.
+/// An order while its steps are being written, with the legs that fulfil them.
 #[derive(Debug, Clone)]
 pub struct Day {
     pub order: MicrorobotsOrder,
@@ -155,14 +157,14 @@ impl Day {
         self.push(MicrorobotsAction::Apply { state, duration_ns: strokes * PERIOD })
     }
 
-    /// To where the legs bring it.
+    /// A step that drives a robot to where the legs bring it.
     pub fn drive(mut self, robot: usize, all: &[(usize, u64)]) -> Day {
         self.go(&legs(all));
         let stops = vec![stop(self.poses[robot])];
         self.push(MicrorobotsAction::Drive { robot, stops })
     }
 
-    /// To where the legs bring them, and some of them dock.
+    /// A step that assembles robots where the legs bring them; some of them dock.
     pub fn assemble(mut self, robots: &[usize], legs: &[Leg]) -> Day {
         self.go(legs);
         let docks = robots.iter().map(|robot| Dock { robot: *robot, goal: stop(self.poses[*robot]) }).collect();
@@ -201,7 +203,7 @@ pub fn schedule(claims: &Claims, legs: &[Vec<Vec<Leg>>]) -> Schedule {
     writer.schedule
 }
 
-/// A bed while its schedule is written.
+/// A bed while its schedule is being written.
 struct Writer {
     schedule: Schedule,
     at_ns: u64,

@@ -4,14 +4,14 @@ use super::*;
 use crate::claims::microrobots::MicrorobotsObstacle;
 use crate::geometry::Shape;
 
-/// Half of the deviation that must be found.
+/// Offset of an obstacle that must be detected.
 const FINE: f64 = 1e-3;
 
 fn dust(x: f64, y: f64, radius_um: f64) -> MicrorobotsObstacle {
     obstacle("dust", Shape::Disc { radius_um }, pose(x, y, 0.0))
 }
 
-/// The rules that a day breaks once it has obstacles.
+/// The rules that a day breaks with these obstacles.
 fn among(day: &Day, obstacles: Vec<MicrorobotsObstacle>) -> Vec<Rule> {
     let mut day = day.clone();
     day.order.obstacles = Arc::new(obstacles);
@@ -19,7 +19,7 @@ fn among(day: &Day, obstacles: Vec<MicrorobotsObstacle>) -> Vec<Rule> {
     rules(&schedule, &claims)
 }
 
-/// Asserts that a day passes with something a little farther away than needed, and breaks one rule with it a little nearer.
+/// Asserts that a day passes with something just farther away than needed, and breaks one rule with it just nearer.
 #[track_caller]
 fn tight(rule: Rule, rules_at: impl Fn(f64) -> Vec<Rule>) {
     assert_eq!(rules_at(FINE), []);
@@ -128,7 +128,7 @@ fn others_keep_clear_of_an_orbit() {
     let two = |apart, strokes| run(&[(0, 0.0, 0.0, 90.0), (1, apart, 0.0, 90.0)], 2, strokes);
     tight(Rule::Orbit, |by| two(2.0 * reach + 20.0 + by, 1300));
     assert_eq!(two(2.0 * reach + 19.0, 1250), []);
-    // The other one stops before it comes near, or is far on when the orbit begins.
+    // The other robot stops before it comes near, or is far past when the orbit begins.
     let later = |legs: &[(usize, u64)]| {
         let (schedule, claims) =
             Day::new(order(&[(0, 0.0, 0.0, 90.0), (1, -250.0, reach + 45.0, 0.0)])).drive(0, legs).both();
@@ -139,7 +139,7 @@ fn others_keep_clear_of_an_orbit() {
     assert_eq!(later(&[(1, 900), (2, 500)]), [Rule::Orbit]);
 }
 
-/// A long path takes no more evaluations than a short one where there is room, nor does an endless orbit.
+/// Where there is room, a long path takes no more evaluations than a short one, nor does an endless orbit.
 #[test]
 fn long_ways_are_looked_at_quickly() {
     let far = |strokes| {
@@ -151,7 +151,8 @@ fn long_ways_are_looked_at_quickly() {
     assert_eq!(far(10_000_000_000), []);
 }
 
-/// Two that turn side by side come to the very limit twice in each turn: after millions of turns no decision is possible.
+/// Two robots that turn side by side reach the exact limit twice in each turn: after millions of turns no decision is
+/// possible.
 #[test]
 fn what_takes_too_long_is_refused() {
     let turns = |strokes| {

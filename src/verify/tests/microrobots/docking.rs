@@ -1,4 +1,4 @@
-//! Robots that dock to a structure.
+//! Robots that dock into a structure.
 
 use super::*;
 use crate::claims::microrobots::Dock;
@@ -8,7 +8,7 @@ fn docking(state: usize, strokes: u64, docks: &[usize]) -> Leg {
     Leg { docks: docks.to_vec(), ..leg(state, strokes) }
 }
 
-/// Two robots head on that end with a gap between them.
+/// Two robots that meet head on and end with a gap between them.
 fn head_on(gap_um: f64, docks: &[usize]) -> Day {
     let start = [(0, 0.0, 0.0, 0.0), (1, 840.0 + gap_um, 0.0, 180.0)];
     Day::new(order(&start)).assemble(&[0, 1], &[docking(0, 600, docks)])
@@ -44,7 +44,7 @@ fn a_robot_docks_at_its_goal_only() {
     assert_eq!(off(0.501, &[0, 1]), [Rule::State, Rule::Dock]);
 }
 
-/// The exception holds for the last stretch alone: both approach at one micrometre per micrometre of path.
+/// The exception applies to the last stretch only: both approach at one micrometre per micrometre of path.
 #[test]
 fn bodies_touch_on_the_last_stretch_only() {
     let stretch = |length_um, cycle_um| {
@@ -59,7 +59,7 @@ fn bodies_touch_on_the_last_stretch_only() {
     assert_eq!(stretch(0.0, 0.0), [Rule::Meet]);
 }
 
-/// It may lie in several legs, and in several steps.
+/// The last stretch may extend over several legs and several steps.
 #[test]
 fn the_last_stretch_goes_on_over_legs() {
     let start = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0)];
@@ -73,7 +73,7 @@ fn the_last_stretch_goes_on_over_legs() {
     assert_eq!(judged(&steps), []);
 }
 
-/// Two are docked, a third one comes from the side; then nothing but the fourth moves, with all arms up.
+/// Two robots are docked and a third one comes from the side; then only the fourth moves, with all arms up.
 fn structure(gap_um: f64) -> Day {
     let start = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0), (2, 300.0, 700.0 + gap_um, 270.0), (3, 0.0, 2000.0, 0.0)];
     Day::new(order(&start))
@@ -114,7 +114,7 @@ fn what_is_docked_stays_so_in_the_next_run() {
     only(Rule::Start, &loose, &claims);
 }
 
-/// Docking is for steps that assemble: to be driven up to a body is not to dock with it.
+/// Only steps that assemble dock robots: driving up to a body does not dock.
 #[test]
 fn only_an_assembly_docks() {
     let start = [(0, 0.0, 0.0, 0.0), (1, 842.0, 0.0, 180.0)];
@@ -142,7 +142,7 @@ fn robots_dock_together_or_with_what_is_docked() {
 fn orbits_keep_clear_of_what_is_docked() {
     let reach = f64::hypot(130.0, 120.0);
     let by = |gap_um: f64| {
-        // After 600 strokes straight on, the first robot goes round below the two that have docked.
+        // After 600 straight strokes, the first robot orbits below the two that have docked.
         let robots = [(0, 600.0, -100.0 - reach - 30.0 - gap_um, 180.0), (1, 0.0, 0.0, 0.0), (2, 842.0, 0.0, 180.0)];
         let day = Day::new(order(&robots)).assemble(&[1, 2], &[docking(0, 600, &[1, 2])]).apply(1, 1300);
         judged(&day)
@@ -151,7 +151,8 @@ fn orbits_keep_clear_of_what_is_docked() {
     assert_eq!(by(19.999), [Rule::Orbit]);
 }
 
-/// Whose arm is down in the leg in which it docks is not docked yet; afterwards states that lower the arms of others may come.
+/// A robot whose arm is down in the leg in which it docks is not docked yet; afterwards, states that lower the arms of
+/// others are allowed.
 #[test]
 fn the_arms_of_docked_robots_are_up() {
     let after = |state: usize| {
@@ -166,7 +167,7 @@ fn the_arms_of_docked_robots_are_up() {
     assert_eq!(after(4), [Rule::Twist]);
 }
 
-/// The second robot turns into its seat with its arm down, and docks; one stroke more in that state is one too many.
+/// The second robot turns into its seat with its arm down and docks; one more stroke in that state is one too many.
 #[test]
 fn an_arm_goes_up_when_its_robot_has_docked() {
     let reach = |more: &[(usize, u64)]| {

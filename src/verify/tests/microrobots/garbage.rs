@@ -1,4 +1,4 @@
-//! Nothing that can be read makes the verifier panic, and no claim takes it long.
+//! No readable schedule or claims make the verifier panic, and none take it long.
 
 use super::*;
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -30,7 +30,7 @@ fn number() -> impl Strategy<Value = f64> {
     prop_oneof![10 => prop::sample::select(picked), 1 => any::<f64>()]
 }
 
-/// Writes nonsense to one field of a schedule.
+/// Writes an arbitrary value to one field of a schedule.
 fn spoiled(schedule: &mut Schedule, what: u8, at: usize, value: u64, small: u32, number: f64) {
     let Schedule { duration_ns, channels, actuations, steps, plans, .. } = schedule;
     match what {
@@ -197,7 +197,7 @@ fn claims_that_no_program_has_are_inconclusive() {
     each_unfit((&schedule, &claims), order_of, cases);
 }
 
-/// Other facts, or other robots, on the same device.
+/// A run has other facts, or other robots, on the same device.
 #[test]
 fn a_bed_has_one_table_and_one_set_of_robots() {
     let start = || Day::new(order(&[(0, 0.0, 0.0, 0.0)])).apply(0, 10).order;
@@ -213,7 +213,7 @@ fn a_bed_has_one_table_and_one_set_of_robots() {
     because(other, "the claims hold two sets of parts on the device `fleet`");
 }
 
-/// As large as plans get: 500 legs, four robots, 50 obstacles about them.
+/// As large as plans get: 500 legs, four robots, and 50 obstacles around them.
 #[test]
 fn a_large_schedule_is_followed() {
     let mut order =

@@ -16,7 +16,7 @@ mod docking;
 mod garbage;
 mod random;
 
-/// Three robots of four go about, far from one another; D1 and D2 orbit in the end.
+/// Three of the four robots move, far from one another; D1 and D2 orbit at the end.
 fn day() -> Day {
     Day::new(order(&[(0, 0.0, 0.0, 90.0), (1, 1000.0, 0.0, 0.0), (3, 2500.0, 500.0, 0.0)]))
         .drive(1, &[(2, 300), (1, 200), (0, 400)])
@@ -25,7 +25,7 @@ fn day() -> Day {
         .drive(0, &[(3, 1500)])
 }
 
-/// The first level of the first train of a state, and its swing.
+/// The `nth` train of strokes.
 fn swing(schedule: &mut Schedule, nth: usize) -> &mut crate::schedule::Actuation {
     schedule.actuations.iter_mut().filter(|actuation| actuation.swing.is_some()).nth(nth).expect("a train")
 }
@@ -169,7 +169,7 @@ fn levels_may_last_longer_and_no_time_is_lost_between_them() {
     only(Rule::Idle, &long, &claims);
 }
 
-/// At 0 V all arms go up, so a pause between cycle and strokes undoes the cycle.
+/// At 0 V all arms go up, so a pause between the cycle and its strokes undoes the cycle.
 #[test]
 fn arms_go_up_where_nothing_is_driven() {
     let day = Day::new(order(&[(0, 0.0, 0.0, 90.0)])).apply(2, 100);
@@ -196,8 +196,8 @@ fn strokes_leave_every_arm_alone() {
     assert_eq!(driven(|facts| facts.margin_v = 7.500_1), [Rule::Arm]);
 }
 
-/// At 9 V the arm of the first row, which is not on the bed, need not go up; at 0 V it does, if its release voltage is no less than
-/// the margin.
+/// At 9 V the arm of the first row, which is not on the bed, need not go up; at 0 V it does, if its release voltage is
+/// at least the margin.
 #[test]
 fn arms_surely_go_up_without_voltage() {
     let reported = |release_v: f64, waits: usize| {
@@ -249,7 +249,7 @@ fn a_state_is_applied_as_claimed() {
     assert_eq!(twice(&[]), [Rule::Apply]);
 }
 
-/// Edits the stops of the day's first step, whose goal is its last one.
+/// The rules that the day breaks after an edit of the stops of its first step; the last stop is the goal.
 fn with_stops(edit: impl FnOnce(&mut Vec<Pose>)) -> Vec<Rule> {
     let (schedule, mut claims) = day().both();
     let MicrorobotsAction::Drive { stops, .. } = &mut order_of(&mut claims, 0).steps[0].action else {

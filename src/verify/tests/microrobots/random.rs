@@ -1,4 +1,5 @@
-//! Random trains of strokes against tiny steps of every robot, and random changes against every extreme of the relays.
+//! Random trains of strokes compared with tiny steps of every robot, and random edits compared with every extreme of
+//! the arms' transition voltages.
 
 use super::*;
 use crate::claims::microrobots::{MicrorobotsObstacle, MicrorobotsOrder};
@@ -12,16 +13,17 @@ use nalgebra::Point2;
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-/// The path between two samples, in strokes.
+/// Path between two samples, in strokes.
 const SAMPLE: f64 = 0.2;
 
-/// Within this the least of the samples is the least of all: bodies go at most 0.23 um from one sample to the next.
+/// Error bound of the least sampled distance: bodies move at most 0.23 um from one sample to the next.
 const SAMPLED_UM: f64 = 0.25;
 
-/// Deviation that a verifier certainly finds.
+/// Deviation that the verifier certainly detects.
 const FOUND_UM: f64 = 2e-3;
 
-/// Start poses of the robots of a scene, its obstacles, and the states in which they are driven, with numbers of strokes.
+/// Start poses of the robots of a scene, its obstacles, and the states in which they are driven, with numbers of
+/// strokes.
 type Draw = (Vec<(f64, f64, f64)>, Vec<(f64, f64, f64, u8)>, Vec<(usize, u64)>);
 
 fn draw() -> impl Strategy<Value = Draw> {
@@ -42,7 +44,7 @@ fn body(x: f64, y: f64, size_um: f64, sort: u8) -> MicrorobotsObstacle {
     obstacle("dust", shape, pose(x, y, 10.0 * size_um))
 }
 
-/// Steps in which one leg is applied each.
+/// A day with one `apply` step per leg.
 fn strolled(robots: &[(f64, f64, f64)], obstacles: &[(f64, f64, f64, u8)], legs: &[(usize, u64)]) -> Day {
     let rows = [0, 1, 3];
     let robots: Vec<_> = robots.iter().zip(rows).map(|((x, y, deg), row)| (row, *x, *y, *deg)).collect();
@@ -57,7 +59,7 @@ fn corners(robot: &Robot, pose: Pose) -> [Point2<f64>; 4] {
         .map(|(x, y)| pose.isometry() * Point2::new(x, y))
 }
 
-/// Least distances of a stroll: of a body to an obstacle, of two bodies, and of an orbit to anything.
+/// Least distances of a stroll: from a body to an obstacle, between two bodies, and from an orbit to anything.
 #[derive(Debug)]
 struct Least {
     obstacle_um: f64,
@@ -65,10 +67,10 @@ struct Least {
     orbit_um: f64,
 }
 
-/// The disc of each robot in each leg, where it orbits.
-/// Middle and radius of a disc.
+/// Centre and radius of a disc.
 type Disc = (Point2<f64>, f64);
 
+/// The disc of each robot in each leg; `None` where it does not orbit.
 fn discs(day: &Day) -> Vec<Vec<Option<Disc>>> {
     let (order, legs) = (&day.order, day.legs.concat());
     let mut discs = vec![vec![None; legs.len()]; order.robots.len()];
@@ -80,7 +82,7 @@ fn discs(day: &Day) -> Vec<Vec<Option<Disc>>> {
             let count = legs[first..].iter().take_while(|leg| is_down(leg)).count();
             let way_um: f64 = legs[first..first + count].iter().map(|leg| leg.strokes as f64 * robot.step_um).sum();
             if way_um / robot.turning_radius_um > TAU {
-                // The middle lies half a turn away, half as far.
+                // The centre is halfway to the pose after half a turn.
                 let half = carried(robot, Arm::Down, pose, TAU / 2.0 * robot.turning_radius_um);
                 let centre = Point2::new((pose.x_um + half.x_um) / 2.0, (pose.y_um + half.y_um) / 2.0);
                 let reach = corners(robot, pose).iter().map(|corner| (corner - centre).norm()).fold(0.0, f64::max);
@@ -144,7 +146,7 @@ fn sampled(
     }
 }
 
-/// The rules that a stroll breaks with clearances for bodies and for orbits.
+/// The rules that a stroll breaks with these clearances of bodies and of orbits.
 fn with_clearances(day: &Day, [body_um, orbit_um]: [f64; 2]) -> Vec<Rule> {
     let mut day = day.clone();
     let facts = Arc::make_mut(&mut day.order.facts);
@@ -172,7 +174,7 @@ proptest! {
     }
 }
 
-/// One change of one actuation, or of two.
+/// One mutation, of one actuation or of two.
 #[derive(Debug, Clone)]
 enum Mutation {
     Drop(Index),
@@ -245,7 +247,7 @@ fn spread(legs: &[(usize, u64)]) -> (Schedule, Claims) {
     day.both()
 }
 
-/// Whether the arms are those of the record in each train, at every extreme of every transition voltage.
+/// Whether the arms in each train are those of the record, at every extreme of every transition voltage.
 fn is_certain(schedule: &Schedule, claims: &Claims) -> bool {
     let crate::claims::Order::Microrobots(order) = &claims.jobs[0].order else { panic!("an order of a bed") };
     let margin_v = order.facts.margin_v;
@@ -284,7 +286,7 @@ fn is_certain(schedule: &Schedule, claims: &Claims) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 3000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Harmless is the mutant that has the very actuations it came from.
+    /// A mutant passes only if its actuations are those of the original.
     #[test]
     fn a_mutant_is_refused_or_the_same(
         legs in prop::collection::vec((0..5usize, 1..40u64), 1..6),
@@ -300,7 +302,7 @@ proptest! {
         }
     }
 
-    /// Another level passes exactly if all arms are where they were, whatever the transition voltages are.
+    /// Another level passes exactly if it leaves all arms unchanged, at every extreme of the transition voltages.
     #[test]
     fn another_level_is_judged_as_every_extreme_is(
         legs in prop::collection::vec((0..5usize, 1..5u64), 1..5),
