@@ -141,7 +141,7 @@ pub(super) fn rounding_nm(claims: &Claims, device: &str) -> u64 {
     (claims.tolerance_um(device).unwrap_or(0.0) / 2.0 * 1000.0).floor() as u64
 }
 
-/// As [`rounding_nm`] for the channels of a machine, less the corners that the straight lines between its servo cycles
+/// As `rounding_nm` for the channels of a machine, less the corners that the straight lines between its servo cycles
 /// cut.
 fn wired_rounding_nm(signals: &Signals, facts: &MachineControllerFacts, claims: &Claims) -> u64 {
     let of_channel = |(index, channel): (usize, &Channel)| {

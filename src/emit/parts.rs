@@ -87,7 +87,7 @@ fn part(whole: &Signals, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedul
     }
 }
 
-/// What one instrument plays in a part: its entry in the sender, and its file with the ending.
+/// Playback of a part by one instrument: its entry in the sender, and its file with the ending.
 pub type PlayedFile = (serde_json::Value, (String, Vec<u8>));
 
 /// One file per part of a schedule and instrument of a family, and the sender that plays them, all with their endings.
@@ -123,7 +123,7 @@ pub fn played(
     Ok(files)
 }
 
-/// The waits for a sender: what is asked or read, and the longest time.
+/// The waits as data for a sender: the prompt or the input, and the longest time.
 pub fn listing(schedule: &Schedule) -> Vec<serde_json::Value> {
     let of_hold = |hold: &ScheduledHold| {
         let seconds = |ns: u64| ns as f64 / 1e9;

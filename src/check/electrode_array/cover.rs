@@ -1,4 +1,4 @@
-//! Which obstacle keeps a centre from a cell, and which places lie too near to each other.
+//! Obstacles that keep centres from cells, and places that lie too near to each other.
 //!
 //! Obstacles are painted onto the board once, each grown by the distance that centres keep. Painted cells are skipped
 //! from then on, so many large obstacles cost no more than the board and their rows. Places are hashed into squares as

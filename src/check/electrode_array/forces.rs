@@ -10,7 +10,7 @@ use crate::check::value::{TableValue, Value};
 use crate::real::Real;
 use crate::source::Span;
 
-/// The figures of one electrode radius, in SI units.
+/// Row of the force table for one electrode radius, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceRow {
     pub radius_m: f64,

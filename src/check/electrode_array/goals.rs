@@ -71,7 +71,7 @@ fn bystanders(parts: &Parts) -> Bystanders {
     if parts.settings.is_set("may_yield") { Bystanders::Yield } else { Bystanders::Stay }
 }
 
-/// The method and budget of a task; `None` if a method is asked for a feature that it lacks.
+/// The method and budget of a task; `None` if the method lacks a feature that the task uses.
 fn planner(
     parts: &Parts,
     objective: ElectrodeArrayObjective,

@@ -158,7 +158,7 @@ fn glide(facts: &ElectrodeArrayFacts, forces: &Forces, device: &CheckedDevice, s
     let width_m = 2.0 * facts.layout.half_width_pitches * pitch_m;
     let mass_kg =
         si(device, "mass").or(si(device, "density").map(|density| density * width_m.whole_power(2) * thickness_m));
-    // Section 3.2: the viscosity times the square between the part's electrodes, over half an electrode radius.
+    // Section 3.2: viscosity times the area of the square between the part's electrodes, over half an electrode radius.
     let square_m = match facts.layout.electrodes {
         Electrodes::Quad => 2.0 * pitch_m,
         Electrodes::Single => width_m,

@@ -113,7 +113,7 @@ fn radius_gap_and_potential_keep_their_limits() {
     device("radius: 22.5 um, potential: 74.9 V", &["E0411"]);
     device(&format!("radius: 47.5 um, potential: 112.5 V, {slow}"), &[]);
     device(&format!("radius: 47.5 um, potential: 112.4 V, {slow}"), &["E0411"]);
-    // Half the permittivity takes the square root of 2 of the potential.
+    // Half of the permittivity needs √2 times the potential.
     device("permittivity: 4, potential: 141.43 V", &[]);
     device("permittivity: 4, potential: 141.41 V", &["E0411"]);
     // 0.747 uN against 0.406 uN and 0.111 uN: 1.4449.

@@ -37,7 +37,7 @@ impl BoardStepJudge<'_> {
                         contamination.avoided.push(trace);
                     }
                 }
-                // A fluid does no harm to itself, which spares a list of fluids its exceptions.
+                // A fluid does no harm to itself, so a list of fluids needs no exceptions.
                 [Some(_), Some(_)] => {}
                 [Some(wash)] if !contamination.washes.contains(wash) => contamination.washes.push(wash.clone()),
                 _ => is_whole &= fluids.iter().all(Option::is_some),

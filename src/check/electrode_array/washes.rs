@@ -229,7 +229,8 @@ fn nearest_first(
     ordered
 }
 
-/// The operations with the washes inserted, each before the operation that needs it; wash `n` is the part `first + n`.
+/// The operations with the washes inserted, each before the operation that needs it; wash `n`, from 0, is the part
+/// `first + n`.
 fn with_washes(
     operations: Vec<AssayOperation>,
     washes: &[PlannedWash],

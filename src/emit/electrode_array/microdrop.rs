@@ -44,7 +44,8 @@ const ELECTRODE_BYTES: u64 = 15;
 /// The files, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::OtherProtocol`], [`EmitError::Ramp`], [`EmitError::Unsayable`], [`EmitError::TooLarge`].
+/// [`EmitError::NotWired`], [`EmitError::OtherProtocol`], [`EmitError::Ramp`], [`EmitError::Unsayable`],
+/// [`EmitError::TooLarge`].
 pub fn write(verified: &Verified) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let schedule = verified.schedule();
     let mut files = Vec::new();

@@ -59,7 +59,7 @@ enum PageExtent {
         reached_deg: f64,
         asked_deg: f64,
     },
-    /// Micrometres, micrometres and radians.
+    /// x and y in micrometres, heading in radians.
     Pose {
         pose: [f64; 3],
     },

@@ -45,7 +45,8 @@ pub fn turned_pose([x, y, z]: [f64; 3], [cos, sin]: [f64; 2]) -> Option<Pose> {
 
 /// A pose whose x axis has the direction of a unit vector.
 pub fn pointed_pose([x, y, z]: [f64; 3], [u, v, w]: [f64; 3]) -> Option<Pose> {
-    // Shortest rotation from x to the vector, by its half angle; for the opposite direction any perpendicular axis will do.
+    // Shortest rotation from x to the vector, by its half angle; for the opposite direction any perpendicular axis will
+    // do.
     let half = ((1.0 + u) / 2.0).max(0.0).sqrt();
     let orientation = match half {
         0.0 => Quaternion { x: 0.0, y: 0.0, z: 1.0, w: 0.0 },

@@ -375,7 +375,8 @@ fn send(bytes: &mut Vec<u8>, message: &[u8]) {
     bytes.push(b'\n');
 }
 
-/// The sequence as a definite-length block of text: its name, then name, repetitions, advance mode and marker of each step.
+/// The sequence as a definite-length block of text: its name, then name, repetitions, advance mode and marker of each
+/// step.
 fn steps(sequence: &Sequence, output: u32) -> String {
     let mut text = format!("\"{}\"", waveform_name(output));
     for step in &sequence.steps {

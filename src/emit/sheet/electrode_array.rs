@@ -70,7 +70,7 @@ pub(super) fn run(verified: &Verified, boards: &[SheetBoard]) -> Vec<[String; 4]
 }
 
 impl SheetBoard<'_> {
-    /// What to load before the run.
+    /// Writes what to load before the run.
     pub(super) fn load(&self, sheet: &mut Sheet) {
         sheet.line(&format!("\n## Load `{}`", self.device));
         let mut rows: Vec<[String; 4]> = Vec::new();
@@ -153,7 +153,7 @@ impl SheetBoard<'_> {
         })
     }
 
-    /// What is on the board at the end, and where the rest has left it.
+    /// Writes what is on the board at the end, and where droplets left it.
     pub(super) fn leave(&self, sheet: &mut Sheet) {
         sheet.line(&format!("\n## Afterwards on `{}`", self.device));
         let mut ports: BTreeMap<ElectrodeCell, Vec<String>> = BTreeMap::new();

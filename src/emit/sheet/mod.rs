@@ -69,7 +69,7 @@ impl Sheet {
         let _ = writeln!(self.text, "\n{text}");
     }
 
-    /// A table with as many columns as its head.
+    /// Writes a table with as many columns as its head.
     fn table<const COLUMNS: usize>(
         &mut self,
         head: [&str; COLUMNS],

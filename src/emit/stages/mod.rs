@@ -41,7 +41,8 @@ const PARTS_OF_UM: f64 = 1e6;
 /// The files, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::Leap`], [`EmitError::Unsayable`], [`EmitError::TooLongForTable`], [`EmitError::TooLarge`].
+/// [`EmitError::NotWired`], [`EmitError::Leap`], [`EmitError::Unsayable`], [`EmitError::TooLongForTable`],
+/// [`EmitError::TooLarge`].
 pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     played(schedule, Format::Stages, Family::StageController, "controllers", SENDER, |wired, number| {
         let InstrumentFacts::StageController(facts) = &wired.instrument.facts else { return Ok(None) };
@@ -120,7 +121,7 @@ impl<'a> StageTables<'a> {
         if is_whole { [whole as u64; 2] } else { [points.floor() as u64, points.ceil() as u64] }
     }
 
-    /// Where the stage of a channel is at a point, in micrometres of its own travel.
+    /// Position of the stage of a channel at a point, in micrometres of its own travel.
     fn place_um(&self, channel: usize, point: u64) -> f64 {
         let t_ns = ((point as f64 * self.period_ns()).round() as u64).min(self.signals.schedule.duration_ns);
         let place_um = self.wired.drives[channel].link.at_output(self.signals.value(channel, t_ns));

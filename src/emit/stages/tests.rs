@@ -62,7 +62,7 @@ fn tables(fixture: &FixtureSchedule) -> Vec<String> {
     texts.map(|file| String::from_utf8(file.bytes).expect("a text")).collect()
 }
 
-/// Place of a stage of a three-axis controller at an instant, interpolated between rows.
+/// Place of an axis at a point, interpolated linearly between rows.
 fn between(rows: &[(u64, Vec<f64>)], axis: usize, point: f64) -> f64 {
     let after = rows.iter().position(|row| row.0 as f64 >= point).expect("an instant of the schedule").max(1);
     let [(a, before), (b, behind)] = [&rows[after - 1], &rows[after]];

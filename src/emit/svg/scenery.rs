@@ -140,7 +140,7 @@ pub fn middle(shape: &Shape, pose: &Pose) -> [f64; 2] {
     [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0]
 }
 
-/// `obstacle`, or how many of how many are drawn.
+/// Legend text of obstacles, with their number if not all are drawn or named.
 pub fn obstacles_text(all: usize, drawn: usize) -> String {
     match all {
         0 | 1 => "obstacle".to_owned(),

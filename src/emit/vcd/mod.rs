@@ -5,12 +5,13 @@
 //! GTKWave and sigrok show only the last part of a name. A wired channel appears a second time in the scope `wires`,
 //! under the wire's name. A comment for each channel states the meaning of its variables:
 //!
-//! - A voltage that is either 0 V or one other voltage is a 1-bit `wire`, which logic analysers take; the comment has the voltage.
+//! - A voltage that is either 0 V or one other voltage is a 1-bit `wire`, which logic analysers accept; the comment has
+//!   the voltage.
 //! - Other voltages are `real`, in volts. sigrok up to 0.5.2 leaves these out.
-//! - A channel with drive trains is a `wire` that is 1 while a train runs, `fleet_bed_train`, and three `real`s that change only
-//!   where a train begins or ends: `fleet_bed_first` and `fleet_bed_second` in volts, `fleet_bed_period_ns`. Half of each period is
-//!   at the first level, then half at the second, counted from the last change of one of the four. Without a train, both levels are
-//!   the voltage and the period is 0.
+//! - A channel with drive trains is a `wire` that is 1 while a train runs, `fleet_bed_train`, and three `real`s that
+//!   change only where a train begins or ends: `fleet_bed_first` and `fleet_bed_second` in volts,
+//!   `fleet_bed_period_ns`. Half of each period is at the first level, then half at the second, counted from the last
+//!   change of one of the four. Without a train, both levels are the voltage and the period is 0.
 //! - A position changes continuously, and VCD has steps only, so it is written as the counts of a 10 nm encoder: at
 //!   every nanosecond the nearest multiple of [`COUNT_UM`].
 //!

@@ -1,4 +1,4 @@
-//! Diagnostics of electrode arrays: from E0409, E0505, E0515, and from E0521.
+//! Diagnostics of electrode arrays: E0409 onwards, E0505, E0515, E0521 onwards.
 //!
 //! Diagnostics of a device come without labels: the caller attaches them to the fields, in whichever file these are.
 

@@ -1,8 +1,9 @@
 //! Settling time: from leaving one cell until at rest on the next.
 //!
-//! The equation of motion is the paper's (2): m du/dt + b u = F(x), x from the pitch to 0. The paper gives F as a figure; the curve
-//! here is the simplest odd one through its known points: zero at 0, greatest at the peak distance, and the table's force at
-//! the table's distance. Solved by fourth-order Runge-Kutta with a fixed step, so that every machine gets the same result.
+//! The equation of motion is the paper's (2): m du/dt + b u = F(x), with x from the pitch to 0. The paper gives F as a
+//! figure; the curve here is the simplest odd one through its known points: zero at 0, greatest at the peak distance,
+//! and the table's force at the table's distance. It is solved by fourth-order Runge-Kutta with a fixed step, so that
+//! every machine gets the same result.
 
 use crate::real::Real;
 
