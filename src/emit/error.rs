@@ -82,7 +82,7 @@ impl EmitError {
         if bytes > limit { Err(EmitError::TooLarge { format, bytes, limit }) } else { Ok(()) }
     }
 
-    /// Whether only this format cannot represent the schedule, while others can.
+    /// Whether the format cannot represent the schedule, although other formats may.
     pub fn is_of_the_format(&self) -> bool {
         match self {
             EmitError::Ramp { .. }
