@@ -1,15 +1,16 @@
-//! CSV: one row for each change, one column for each channel, and four for a channel with drive trains.
+//! CSV: one row per change, one column per channel, and four columns for a channel with drive trains.
 //!
-//! The first column is the time in nanoseconds. A row's voltages hold until the next row; positions, whose columns are in um, run in
-//! a straight line to the next row, so that `numpy.interp(t, time, x)` is where a stage is. The last row is the end of the
-//! schedule. A column's header is the channel's name with its unit, and behind ` @ ` its wire: `bot.bl4.set [V] @ Dev1/port0/line8`.
+//! The first column is the time in nanoseconds. The voltages of a row hold until the next row. Positions (columns in
+//! um) run in a straight line to the next row, so `numpy.interp(t, time, x)` is the position of a stage. The last row
+//! is the end of the schedule. A column header is the channel's name with its unit, followed by ` @ ` and its wire:
+//! `bot.bl4.set [V] @ Dev1/port0/line8`.
 //!
-//! A drive train is one row. Its channel has the columns `fleet.bed.first [V]`, `fleet.bed.second [V]`, `fleet.bed.period [ns]` and
-//! `fleet.bed.start [ns]`: from `start` on, half of each period is at the first level and half at the second, until the next row.
-//! Where the period is 0 there is no train, and both levels are the voltage.
+//! A drive train is one row. Its channel has the columns `fleet.bed.first [V]`, `fleet.bed.second [V]`,
+//! `fleet.bed.period [ns]` and `fleet.bed.start [ns]`: from `start` on, half of each period is at the first level and
+//! half at the second, until the next row. Where the period is 0 there is no train, and both levels are the voltage.
 //!
-//! Numbers are the shortest that read back as the same `f64`, so that `pandas.read_csv(path)` and
-//! `numpy.loadtxt(path, delimiter=",", skiprows=1)` take the file as it is.
+//! Numbers are the shortest that read back as the same `f64`. `pandas.read_csv(path)` and `numpy.loadtxt(path,
+//! delimiter=",", skiprows=1)` read the file as it is.
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::signal::Drive;
@@ -53,7 +54,7 @@ pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
     writer.into_inner().map_err(|error| EmitError::Failed { format: Format::Csv, detail: error.to_string() })
 }
 
-/// The instants of the rows: the ends of every actuation, and both ends of the schedule.
+/// The instants of the rows: starts and ends of all actuations, and both ends of the schedule.
 fn times(signals: &Signals) -> impl Iterator<Item = u64> {
     let duration_ns = signals.schedule.duration_ns;
     let breaks = signals.breaks(0..signals.schedule.channels.len()).into_iter();
@@ -70,7 +71,7 @@ fn value_bytes(signals: &Signals, channel: usize) -> u64 {
     }
 }
 
-/// The numbers of a channel in a row.
+/// The numbers of a channel in a row, one per column.
 fn values(signals: &Signals, channel: usize, t_ns: u64) -> Vec<String> {
     match signals.has_trains(channel) {
         true => {
@@ -81,7 +82,7 @@ fn values(signals: &Signals, channel: usize, t_ns: u64) -> Vec<String> {
     }
 }
 
-/// Number of digits of a number.
+/// Number of decimal digits.
 pub(super) fn digits(number: u64) -> u64 {
     u64::from(number.checked_ilog10().unwrap_or(0)) + 1
 }
@@ -102,7 +103,7 @@ fn header(signals: &Signals, channel: usize) -> Vec<String> {
     }
 }
 
-/// The text without line ends and control characters, which readers of lines would trip over.
+/// The text without line ends and control characters, which would break line-based readers.
 pub(super) fn one_line(text: &str) -> String {
     text.chars().map(|c| if commands(c) { ' ' } else { c }).collect()
 }

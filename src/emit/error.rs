@@ -1,24 +1,24 @@
-//! Why a format cannot represent a schedule.
+//! Reasons why a format cannot represent a schedule.
 
 use super::{Format, Signals};
 use crate::device::instrument::Family;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity, significant};
 
-/// The largest text file that is written, in bytes: it is made in memory, and its readers load it whole.
+/// The largest text file that is written, in bytes; it is built in memory, and its readers load it whole.
 pub const MAX_TEXT_BYTES: u64 = 1 << 28;
 
-/// Why a schedule cannot be written in a format.
+/// Reason why a schedule cannot be written in a format.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EmitError {
-    /// A voltage, a place or a figure is infinite or no number.
+    /// A voltage, a position or another figure is infinite or NaN.
     NotFinite,
-    /// A voltage ramps from one number to another, and the format only represents constant voltages.
+    /// A voltage ramps, and the format represents constant voltages only.
     Ramp { format: Format, channel: String, start_ns: u64, from: f64, to: f64 },
-    /// The file would be larger than its readers take.
+    /// The file would be larger than its readers accept.
     TooLarge { format: Format, bytes: u64, limit: u64 },
-    /// The instrument's memory is too small for the schedule at its sample period. Where it plays a sequence, which repeats
-    /// some points, the limit is that memory or the greatest number of steps in a sequence.
+    /// The instrument's memory is too small for the schedule at its sample period. For a sequence, which repeats
+    /// points, the limit is that memory or the greatest number of steps in a sequence.
     TooManyPoints {
         instrument: String,
         points: u64,
@@ -29,35 +29,39 @@ pub enum EmitError {
     },
     /// More frames than the program that comes with the driver loads.
     TooManyFrames { instrument: String, frames: u64, limit: u64, period_ns: u64 },
-    /// The table of a stage's controller is too short for the schedule, where its points lie no further apart than the hand bears.
+    /// The wave table of a stage controller is too short for the schedule at the widest point spacing that the
+    /// tolerance of the hand allows.
     TooLongForTable { instrument: String, points: u64, limit: u64, period_ns: f64 },
-    /// Electrodes are wired to a driver, but to none that the format is for.
+    /// Electrodes are wired to drivers, but none of them uses the format.
     OtherProtocol { format: Format, name: String },
-    /// Edges, or where waits cut the schedule, fall between the samples of an instrument.
+    /// Edges, or cuts at waits, fall between the samples of an instrument.
     TooFine { instrument: String, period_ns: u64, rate_hz: f64 },
-    /// A stage moves further from one sample to the next than the tolerance of its device, both in `um`: the memory of the instrument is too
-    /// small, or its clock too slow.
+    /// A stage moves by more than the tolerance of its device from one sample to the next, because the memory of the
+    /// instrument is too small or its clock too slow. `um` has the move and the tolerance.
     CoarseStages { instrument: String, channel: String, um: [f64; 2], period_ns: u64, is_by_memory: bool },
     /// Digital lines of a card that has no sample clock for them.
     NoSampleClock { instrument: String },
-    /// No channel is wired to an instrument of the family that plays the format; no family where there is no channel at all.
+    /// No channel is wired to an instrument of the family that plays the format; the family is `None` if the schedule
+    /// has no channel.
     NotWired { format: Format, name: String, family: Option<Family> },
-    /// A position jumps, and the format only has straight lines between positions.
+    /// A position jumps, and the format has only straight lines between positions.
     Leap { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
-    /// The format only represents positions of stages: the first channel that is none, if there is a channel.
+    /// The format represents stage positions only; `channel` is the first other channel, or `None` if there is no
+    /// channel.
     NotPositions { format: Format, channel: Option<String> },
-    /// The format has no form for something that the schedule asks for: what, as the rest of a sentence, and what has one.
+    /// The format cannot express something in the schedule: `what` completes the sentence of the message, `help` names
+    /// a format that can.
     Unsayable { format: Format, what: String, help: String },
     /// No device of the schedule has anything to load.
     NothingToLoad { name: String },
-    /// An instant was asked for that is after the end of the schedule.
+    /// The requested instant is after the end of the schedule.
     OutsideSchedule { name: String, t_ns: u64, duration_ns: u64 },
-    /// The library that writes the format gave up.
+    /// The library that writes the format failed.
     Failed { format: Format, detail: String },
 }
 
 impl EmitError {
-    /// An error if any voltage is not constant.
+    /// An error if a voltage ramps.
     pub(super) fn refuse_ramps(format: Format, signals: &Signals) -> Result<(), EmitError> {
         let Some(ramp) = signals.first_ramp() else { return Ok(()) };
         let channel = signals.schedule.channels.get(ramp.channel as usize);
@@ -65,7 +69,7 @@ impl EmitError {
         Err(EmitError::Ramp { format, channel, start_ns: ramp.start_ns, from: ramp.from, to: ramp.to })
     }
 
-    /// An error if any position jumps.
+    /// An error if a position jumps.
     pub(super) fn refuse_leaps(format: Format, signals: &Signals) -> Result<(), EmitError> {
         let Some((index, t_ns)) = signals.first_leap() else { return Ok(()) };
         let channel = signals.schedule.channels[index].name.clone();
@@ -73,12 +77,12 @@ impl EmitError {
         Err(EmitError::Leap { format, channel, t_ns, from, to })
     }
 
-    /// An error if `bytes` are more than `limit`.
+    /// An error if `bytes` is more than `limit`.
     pub(super) fn refuse_size(format: Format, bytes: u64, limit: u64) -> Result<(), EmitError> {
         if bytes > limit { Err(EmitError::TooLarge { format, bytes, limit }) } else { Ok(()) }
     }
 
-    /// Whether the format has no form for the schedule, while others have.
+    /// Whether the format cannot represent the schedule, although other formats may.
     pub fn is_of_the_format(&self) -> bool {
         match self {
             EmitError::Ramp { .. }
@@ -99,7 +103,7 @@ impl EmitError {
         }
     }
 
-    /// For the person at the terminal.
+    /// The diagnostic for the terminal.
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
             EmitError::NotFinite => Diagnostic::new(Code::E0820, "a value of the schedule is not a finite number")

@@ -1,4 +1,4 @@
-//! Small schedules made by hand, for the tests of the formats.
+//! Small hand-made schedules for the tests of the formats.
 
 use super::Provenance;
 use crate::claims::dimibot::{
@@ -21,7 +21,7 @@ use crate::verify::Verified;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-/// A schedule made by hand, and where it comes from.
+/// A hand-made schedule with its provenance.
 #[derive(Clone)]
 pub struct FixtureSchedule {
     pub verified: Verified,
@@ -29,19 +29,19 @@ pub struct FixtureSchedule {
 }
 
 impl FixtureSchedule {
-    /// The same, changed by hand.
+    /// The same schedule after a change.
     pub fn changed(self, change: impl FnOnce(&mut Schedule)) -> FixtureSchedule {
         FixtureSchedule { verified: changed(&self.verified, change), ..self }
     }
 }
 
-/// A robot of 5 + 5 modules that goes through every sort of obstacle: nine pulses of 15 ms without rests.
+/// A robot of 5 + 5 modules that passes every sort of obstacle: nine pulses of 15 ms without rests.
 pub fn fetch() -> FixtureSchedule {
     let bot = Robot { device: "bot", facts: facts(5, 5, 0), wired: true };
     build("fetch", &[(bot, vec![LatticeCell { x: 19, y: 28 }, LatticeCell { x: 7, y: 14 }], 0)])
 }
 
-/// A step of the first plan, at its beginning.
+/// A step of the first plan, on the first line of its file.
 fn named_step(task: &str, text: &str, file: &str) -> ScheduledStep {
     ScheduledStep {
         task: task.to_owned(),
@@ -58,7 +58,7 @@ fn named_step(task: &str, text: &str, file: &str) -> ScheduledStep {
     }
 }
 
-/// Two robots of different sizes at the same time; the second one rests 2.5 ms after each pulse and starts later.
+/// Two robots of different sizes at the same time; the second rests 2.5 ms after each pulse and starts later.
 pub fn pair() -> FixtureSchedule {
     let bot = Robot { device: "bot", facts: facts(5, 5, 0), wired: true };
     let aid = Robot { device: "Aid", facts: facts(3, 2, 2_500_000), wired: false };
@@ -73,12 +73,12 @@ pub fn large() -> FixtureSchedule {
     build("large", &[(bot, way.collect(), 0)])
 }
 
-/// Without a single pulse.
+/// A schedule without a single pulse.
 pub fn idle() -> FixtureSchedule {
     build("idle", &[(Robot { device: "bot", facts: facts(1, 1, 0), wired: false }, Vec::new(), 0)])
 }
 
-/// A schedule changed by hand.
+/// A verified schedule after a change, assumed to be still verified.
 pub fn changed(verified: &Verified, change: impl FnOnce(&mut Schedule)) -> Verified {
     let mut schedule = verified.schedule().clone();
     change(&mut schedule);
@@ -121,7 +121,7 @@ fn build(name: &str, runs: &[(Robot, Vec<LatticeCell>, u64)]) -> FixtureSchedule
     FixtureSchedule { verified: Verified::assume(schedule, claims), provenance }
 }
 
-/// A channel of volts without a wire.
+/// An unwired voltage channel.
 fn voltage(name: String, device: &str) -> Channel {
     Channel { name, device: device.to_owned(), unit: ChannelUnit::Volt, wire: None, rest_v: 0.0 }
 }
@@ -174,7 +174,7 @@ fn obstacles() -> Vec<DimibotObstacle> {
     all.map(|(name, body)| DimibotObstacle { name: name.to_owned(), body, span: Span::default() }).collect()
 }
 
-/// Switches one module after the other until each cell is reached.
+/// Switches modules one after the other until each cell is reached.
 fn add_plan(schedule: &mut Schedule, robot: &Robot, way: &[LatticeCell], start_ns: u64) {
     let facts = &robot.facts;
     let first = schedule.channels.iter().position(|channel| channel.device == robot.device).unwrap_or(0);
@@ -236,7 +236,7 @@ fn timed(facts: &DimibotFacts, cell: LatticeCell, t_ns: u64) -> TimedState {
     TimedState { t_ns, state: State::Dimibot(state) }
 }
 
-/// One device of 301 channels, too many for a field each, three of which change, on slopes too.
+/// One device of 301 channels, too many for a field each; three of them change, some on slopes.
 pub fn crowd() -> FixtureSchedule {
     idle().changed(|schedule| {
         schedule.name = "crowd".to_owned();
@@ -281,7 +281,8 @@ pub fn train(strokes: u64) -> FixtureSchedule {
     })
 }
 
-/// Two channels of one device that swing at different paces, one of them with levels of a nanosecond, beside one that does not.
+/// Two channels of one device that swing at different periods, one of them with levels of one nanosecond, and a third
+/// that does not swing.
 pub fn paces() -> FixtureSchedule {
     idle().changed(|schedule| {
         schedule.name = "paces".to_owned();
@@ -312,7 +313,7 @@ pub fn paces() -> FixtureSchedule {
     })
 }
 
-/// The bed, and beside its voltage a stage that goes and comes at instants of its own.
+/// The bed, plus a stage that moves there and back at instants of its own.
 pub fn mixed() -> FixtureSchedule {
     bed().changed(|schedule| {
         schedule.name = "mixed".to_owned();
@@ -340,21 +341,21 @@ pub fn mixed() -> FixtureSchedule {
     })
 }
 
-/// The ball between the fingers of [`hand`], and the tips of those.
+/// Radii of the ball and of the fingertips of [`hand`], and the number of contacts on the ball.
 const BALL_UM: f64 = 14.0;
 const TIP_UM: f64 = 4.5;
 const CONTACTS: u32 = 74;
 
-/// Where the free tips of [`hand`] are, from the middle of the ball.
+/// Distance of the free tips of [`hand`] from the middle of the ball.
 const FREE_UM: f64 = 28.5;
 
-/// Turn of the ball from a contact to the next.
+/// Rotation of the ball from one contact to the next.
 fn step_rad() -> f64 {
     TAU * (1.0 + BALL_UM / TIP_UM) / f64::from(CONTACTS)
 }
 
-/// Three fingers that turn a ball by two steps, one of them taking the place of another, and carry it upwards. The run begins 7 ms
-/// after the schedule, and ends 3 ms before it.
+/// Three fingers that turn a ball by two steps, one finger taking the place of another, and lift it. The run begins 7
+/// ms after the schedule and ends 3 ms before it.
 pub fn hand() -> FixtureSchedule {
     let verified = idle().verified;
     let text = "task turn on hand { }\n";
@@ -439,7 +440,7 @@ fn hand_order(facts: Hand) -> FingersOrder {
 struct Gesture {
     t_ns: u64,
     tips_um: [[f64; 3]; 3],
-    /// Contacts that the fingers hold, from 1; 0 for a free finger.
+    /// Contact that each finger holds, from 1; 0 for a free finger.
     grasp: [u32; 3],
     turned: i64,
     height_um: f64,
@@ -448,7 +449,7 @@ struct Gesture {
     states: Vec<TimedState>,
 }
 
-/// A place in the plane of the ball's middle.
+/// A point on a circle around the axis of the ball.
 fn on_circle(angle_rad: f64, radius_um: f64, height_um: f64) -> [f64; 3] {
     [angle_rad.cos() * radius_um, angle_rad.sin() * radius_um, height_um]
 }
@@ -489,12 +490,12 @@ impl Gesture {
         self.end_step();
     }
 
-    /// Where a contact is now, as an angle in the hand's frame.
+    /// Current angle of a contact in the hand's frame.
     fn angle_rad(&self, contact: u32) -> f64 {
         f64::from(contact - 1) * TAU / f64::from(CONTACTS) + self.turned as f64 * step_rad()
     }
 
-    /// All that hold roll by a step.
+    /// Rolls all holding fingers by one step.
     fn roll(&mut self) {
         let angles_rad = self.grasp.map(|contact| self.angle_rad(contact.max(1)));
         for chord in 1..=4 {

@@ -1,20 +1,23 @@
-//! G-code in the dialect of LinuxCNC: positions of the stages of a hand, on the schedule's clock.
+//! G-code in the dialect of LinuxCNC: positions of the stages of a hand on the schedule's clock.
 //!
-//! Wired to a `machine_controller`, channels move the axes that their wires name, in `<name>.<instrument>.ngc`: places of the stages'
-//! own travel. Without such an instrument `<name>.<device>.ngc` moves up to three fingers: X Y Z are the axes of the first, U V W of the
-//! second, A B C of the third, and places are those of the channels. A hand with more fingers has a file for every three,
-//! `<name>.<device>.f1-f3.ngc` and so on, which must be started together. All nine axes are linear and in millimetres. After a rapid
-//! move to the start of the schedule, the program pauses (M0); resuming is the schedule's instant 0. Each line then gives the places of
-//! the moving axes at the next common instant. In G93 the feed is one over the minutes that a line takes, so that all axes arrive
-//! together and in time; G4 waits while nothing moves.
+//! If channels are wired to a `machine_controller`, `<name>.<instrument>.ngc` moves the axes that their wires name;
+//! places are those of the stages' own travel. Without such an instrument `<name>.<device>.ngc` moves up to three
+//! fingers: X Y Z are the axes of the first, U V W of the second, A B C of the third, and places are those of the
+//! channels. A hand with more fingers has a file for every three, `<name>.<device>.f1-f3.ngc` and so on, which must be
+//! started together. All nine axes are linear and in millimetres. After a rapid move to the start of the schedule, the
+//! program pauses (M0); resuming is instant 0 of the schedule. Each line then gives the places of the moving axes at
+//! the next common instant. In G93 the feed is one over the minutes that a line takes, so all axes arrive together and
+//! in time; G4 waits while nothing moves.
 //!
-//! A wait for a person is a pause (M0) with its message. One for an input is `M66` on the pin that the program names, as
-//! `"motion.digital-in-00"`, with its longest time; when that is over, the program is broken off, and the stages stay where they are.
+//! A wait for a person is a pause (M0) with its message. A wait for an input is `M66` on the pin that the program
+//! names, as `"motion.digital-in-00"`, with its timeout; on timeout the program aborts, and the stages stay where they
+//! are.
 //!
-//! `G64 P` lets the controller round corners by at most half of the hand's `tolerance`, less what the servo cycles of a declared
-//! controller cut: planned ways use the other half. Under G61, exact path, it would stop at every corner, and the program would take
-//! longer than its schedule. Numbers are whole nanometres. Without wires the machine's accelerations are not considered, and may add to
-//! the time of its moves. A line that is slower than the interpreter's least feed is refused.
+//! `G64 P` lets the controller round corners by at most half of the hand's `tolerance`, less the corners cut by the
+//! servo cycles of a declared controller; planned paths use the other half. Under G61 (exact path) the controller would
+//! stop at every corner, and the program would take longer than its schedule. Numbers are whole nanometres. Without
+//! wires the machine's accelerations are not considered, and may lengthen its moves. A line slower than the
+//! interpreter's least feed is refused.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
@@ -28,31 +31,31 @@ use crate::quantity::{Dimension, Quantity};
 use crate::schedule::{Channel, ChannelUnit, Schedule, ScheduledHold};
 use std::fmt::Write as _;
 
-/// Fingers that one file moves.
+/// Number of fingers that one file moves.
 const FINGERS: usize = 3;
 
-/// Axes of a finger, and those whose way a feed is the speed of.
+/// Axes per finger; also the size of the groups of letters (X Y Z, U V W, A B C) to one of which a feed applies.
 const AXES: usize = AXIS_LETTERS.len() / FINGERS;
 
-/// Estimated bytes of a line for each axis, and for the rest.
+/// Estimated bytes of a line, per axis and for the rest.
 const WORD_BYTES: u64 = 11;
 const LINE_BYTES: u64 = 24;
 
 const NS_PER_MINUTE: f64 = 60e9;
 
-/// The slowest feed of LinuxCNC, in millimetres a minute: its interpreter raises every feed of G93 to this, and a slower line would
-/// be over before its time.
+/// The slowest feed of LinuxCNC, in millimetres a minute. Its interpreter raises every G93 feed to this, so a slower
+/// line would end early.
 const LEAST_FEED_MM_PER_MINUTE: f64 = 0.1;
 
-/// What the names of the digital pins begin with that a program can wait for.
+/// Prefix of the names of digital pins that a program can wait for.
 const PIN: &str = "motion.digital-in-";
 
 /// The files, each with the part of its name between the schedule's name and `.ngc`.
 ///
 /// # Errors
-/// [`EmitError::NotPositions`] where some channel is no stage's, or there is none; [`EmitError::Leap`] for a position that jumps;
-/// [`EmitError::Unsayable`] for a wait that the controller has no words for, and for a controller beside other instruments;
-/// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
+/// [`EmitError::NotPositions`] if a channel is not a stage's, or there is none; [`EmitError::Leap`] for a position that
+/// jumps; [`EmitError::Unsayable`] for a wait that the controller cannot express, and for a controller together with
+/// other instruments; [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(signals: &Signals, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut instruments = signals.schedule.bench.instruments.values();
     match instruments.any(|instrument| instrument.facts.family() == Family::MachineController) {
@@ -61,7 +64,7 @@ pub(super) fn write(signals: &Signals, claims: &Claims) -> Result<Vec<(String, V
     }
 }
 
-/// A file for each machine that channels are wired to.
+/// One file per machine that channels are wired to.
 fn by_wires(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut files = Vec::new();
     for wired in wired(Format::Gcode, schedule, Family::MachineController)? {
@@ -84,7 +87,7 @@ fn by_wires(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>
     Ok(files)
 }
 
-/// An error for a machine with other instruments: nothing but its operator starts it.
+/// An error for a machine together with other instruments, since only its operator can start it.
 fn refuse_company(wired: &WiredInstrument) -> Result<(), EmitError> {
     if wired.is_alone {
         return Ok(());
@@ -96,7 +99,7 @@ fn refuse_company(wired: &WiredInstrument) -> Result<(), EmitError> {
     })
 }
 
-/// A file for every three fingers of a device.
+/// One file per three fingers of a device.
 fn by_fingers(signals: &Signals, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     refuse_what_is_no_stage(signals)?;
     let waits = &waits(signals.schedule)?;
@@ -132,12 +135,14 @@ fn refuse_what_is_no_stage(signals: &Signals) -> Result<(), EmitError> {
     }
 }
 
-/// How far the controller may leave a way of a device, in nanometres: half of the least tolerance of its jobs.
+/// How far the controller may deviate from the path of a device, in nanometres: half of the least tolerance of its
+/// jobs.
 pub(super) fn rounding_nm(claims: &Claims, device: &str) -> u64 {
     (claims.tolerance_um(device).unwrap_or(0.0) / 2.0 * 1000.0).floor() as u64
 }
 
-/// The same for the channels of a machine, less the corners that the straight lines between its servo cycles cut.
+/// As `rounding_nm` for the channels of a machine, less the corners that the straight lines between its servo cycles
+/// cut.
 fn wired_rounding_nm(signals: &Signals, facts: &MachineControllerFacts, claims: &Claims) -> u64 {
     let of_channel = |(index, channel): (usize, &Channel)| {
         let turns = signals.schedule.turns(index).into_iter();
@@ -148,7 +153,7 @@ fn wired_rounding_nm(signals: &Signals, facts: &MachineControllerFacts, claims: 
     signals.schedule.channels.iter().enumerate().map(of_channel).min().unwrap_or(0)
 }
 
-/// A wait as G-code: when it begins and ends on the schedule's clock, and its lines.
+/// A wait as G-code: its start and end on the schedule's clock, and its lines.
 struct WaitLines {
     start_ns: u64,
     end_ns: u64,
@@ -158,7 +163,7 @@ struct WaitLines {
 /// The waits of a schedule.
 ///
 /// # Errors
-/// [`EmitError::Unsayable`] for an input that is no digital pin of the motion controller.
+/// [`EmitError::Unsayable`] for an input that is not a digital pin of the motion controller.
 fn waits(schedule: &Schedule) -> Result<Vec<WaitLines>, EmitError> {
     schedule
         .holds
@@ -171,7 +176,7 @@ fn waits(schedule: &Schedule) -> Result<Vec<WaitLines>, EmitError> {
         .collect()
 }
 
-/// The lines of a wait; `number` tells its label from those of others.
+/// The lines of a wait; `number` makes its label unique.
 fn wait_lines(hold: &ScheduledHold, number: usize) -> Result<String, EmitError> {
     let seconds = |ns: u64| format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000);
     match &hold.terms.awaited {
@@ -206,10 +211,10 @@ fn wait_lines(hold: &ScheduledHold, number: usize) -> Result<String, EmitError> 
     }
 }
 
-/// Most characters of a message: LinuxCNC reads lines of up to 256.
+/// Most characters of a message, since LinuxCNC reads lines of up to 256.
 const MESSAGE_CHARACTERS: usize = 200;
 
-/// A text of ASCII in lines that LinuxCNC reads, broken at blanks where there are any.
+/// An ASCII text in lines that LinuxCNC reads, broken at blanks where possible.
 fn lines_of(text: &str) -> Vec<&str> {
     let (mut lines, mut rest) = (Vec::new(), text);
     while rest.len() > MESSAGE_CHARACTERS {
@@ -228,30 +233,30 @@ fn pin(name: &str) -> Option<u32> {
     digits.parse().ok().filter(|_| is_plain)
 }
 
-/// A text within a comment in brackets, which ends with the first `)`.
+/// A text inside a comment in parentheses, which ends at the first `)`.
 fn message(text: &str) -> String {
     ascii(text).replace(['(', ')'], "_")
 }
 
-/// An axis of a machine, and what moves on it.
+/// A machine axis and the channel that moves on it.
 struct MovedAxis {
-    /// Its place in [`AXIS_LETTERS`].
+    /// Index in [`AXIS_LETTERS`].
     letter: usize,
     channel: usize,
-    /// `None` where the axis is where its channel is.
+    /// `None` if the position of the axis is that of its channel.
     link: Option<Link>,
 }
 
-/// What one file moves.
+/// The content of one file.
 struct GcodeProgram<'a> {
     signals: &'a Signals<'a>,
-    /// The device or the instrument.
+    /// Name of the device or the instrument.
     name: &'a str,
     /// In the order of their letters.
     axes: Vec<MovedAxis>,
-    /// How far the controller may leave a way.
+    /// How far the controller may deviate from the path.
     rounding_nm: u64,
-    /// `None` for one that no wire leads to.
+    /// `None` without a wired machine.
     machine: Option<&'a MachineControllerFacts>,
     waits: &'a [WaitLines],
 }
@@ -296,7 +301,8 @@ impl GcodeProgram<'_> {
         Ok(text)
     }
 
-    /// An error for a line that LinuxCNC would play too fast. A line's feed is that of the first three letters of which one moves.
+    /// An error for a line that LinuxCNC would play too fast. The feed of a line applies to the first three letters
+    /// among which one moves.
     fn refuse_crawling(&self, at_nm: &[i64], next_nm: &[i64], per_minute: f64) -> Result<(), EmitError> {
         let mut squares = [0.0; FINGERS];
         for (axis, (at, next)) in self.axes.iter().zip(at_nm.iter().zip(next_nm)) {
@@ -317,7 +323,7 @@ impl GcodeProgram<'_> {
         })
     }
 
-    /// Instructions for the operator; comments extend from `;` to the end of their line.
+    /// Instructions for the operator; comments extend from `;` to the end of the line.
     fn header(&self) -> String {
         let schedule = self.signals.schedule;
         let mut text = String::new();
@@ -365,7 +371,7 @@ impl GcodeProgram<'_> {
         text
     }
 
-    /// Where the axes are at an instant, in whole nanometres.
+    /// Positions of the axes at an instant, in whole nanometres.
     fn places_nm(&self, t_ns: u64) -> Vec<i64> {
         let place_um = |axis: &MovedAxis| {
             let value_um = self.signals.value(axis.channel, t_ns);
@@ -399,7 +405,7 @@ fn millimetres(length_nm: u64) -> String {
     format!("{}.{:06}", length_nm / 1_000_000, length_nm % 1_000_000)
 }
 
-/// The text as a comment that every controller takes.
+/// The text as a comment that every controller accepts.
 fn ascii(text: &str) -> String {
     one_line(text).chars().map(|c| if c.is_ascii() { c } else { '_' }).collect()
 }

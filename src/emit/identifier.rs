@@ -1,25 +1,25 @@
-//! Names that the narrower grammars of other programs take.
+//! Names within the narrower grammars of other programs.
 
 use std::collections::BTreeSet;
 
-/// The words as identifiers of ASCII letters, digits and `_` that do not begin with a digit; no two are the same, nor the same
-/// but for upper and lower case.
+/// The words as identifiers of ASCII letters, digits and `_` that do not begin with a digit. No two are the same, even
+/// if case is ignored.
 pub fn distinct<'a>(words: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     distinct_by(words, plain)
 }
 
-/// As [`distinct`], for the fields of one message: they also differ without `_`, which readers of protobuf leave out of the names of
-/// JSON (`e1_13` and `e11_3` are `e113` there, and such a message is refused).
+/// As [`distinct`], for the fields of one message: names also differ without `_`, which protobuf readers drop in JSON
+/// names (`e1_13` and `e11_3` both become `e113`, and such a message is refused).
 pub fn distinct_fields<'a>(words: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     distinct_in(words, plain, |name| name.to_ascii_lowercase().replace('_', ""))
 }
 
-/// As [`distinct`], in a wider grammar: `plain` gives each word in it.
+/// As [`distinct`], in a wider grammar into which `plain` maps each word.
 pub fn distinct_by<'a>(words: impl IntoIterator<Item = &'a str>, plain: impl Fn(&str) -> String) -> Vec<String> {
     distinct_in(words, plain, str::to_ascii_lowercase)
 }
 
-/// No two names have the same `key`.
+/// Makes names distinct by `key`.
 fn distinct_in<'a>(
     words: impl IntoIterator<Item = &'a str>,
     plain: impl Fn(&str) -> String,
@@ -40,7 +40,7 @@ fn distinct_in<'a>(
     names
 }
 
-/// A word as an identifier, which another word may have too.
+/// A word as an identifier; other words may give the same one.
 pub fn plain(word: &str) -> String {
     let text: String = word.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     match text.as_bytes().first() {

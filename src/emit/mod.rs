@@ -1,7 +1,8 @@
 //! Writes a verified schedule in formats for other programs.
 //!
-//! Input: a [`Verified`] schedule and its [`Provenance`]. Output: [`OutputFile`]s, in memory. Promise: no file is touched, the
-//! same input gives the same bytes, and every format represents every channel at every instant, or [`EmitError`] states why it cannot.
+//! Input: a [`Verified`] schedule and its [`Provenance`]. Output: [`OutputFile`]s, in memory. Guarantees: no file is
+//! touched, the same input gives the same bytes, and every format represents every channel at every instant, or
+//! [`EmitError`] states why it cannot.
 
 mod course;
 pub mod csv;
@@ -39,7 +40,7 @@ use electrode_array::{dispensed, write_microdrop};
 use signal::Signals;
 
 words! {
-    /// The forms that a schedule can be written in, in the order of the handbook; the words are those of `--emit`.
+    /// Output formats, in the order of the handbook; the words are those of `--emit`.
     pub enum Format {
         Mcap = "mcap": "a log that Foxglove, Lichtblick and Rerun play",
         Json = "json": "the schedule itself, for other programs",
@@ -60,7 +61,7 @@ words! {
 }
 
 impl Format {
-    /// The endings of a schedule's files, but for those that are named after instruments or devices.
+    /// File endings of a schedule's files, except those named after instruments or devices.
     pub fn endings(self) -> &'static [&'static str] {
         match self {
             Format::Mcap => &["mcap", "lichtblick.json"],
@@ -83,23 +84,23 @@ impl Format {
 /// One file to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OutputFile {
-    /// Without a folder: `fetch.mcap`.
+    /// File name without a folder: `fetch.mcap`.
     pub name: String,
     pub bytes: Vec<u8>,
 }
 
-/// Origin of a schedule: written into a log, so that it can be judged without the files beside it.
+/// Origin of a schedule; it is written into a log so that the log can be judged without the files beside it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Provenance {
-    /// Name and text of every file: the program's own first, then the used ones; without the standard library.
+    /// Name and text of every file: the program's own first, then the used ones, without the standard library.
     pub files: Vec<(String, String)>,
-    /// The `--set` values as they were given.
+    /// The `--set` values as given.
     pub settings: Vec<String>,
-    /// Whether a log was read back, whose bounds, proofs and remarks nothing derived again.
+    /// Whether the schedule was read from a log, whose bounds, proofs and remarks were not derived again.
     pub is_recorded: bool,
 }
 
-/// A schedule in one format: one file, or several that belong together. All names begin with the schedule's.
+/// Writes a schedule in one format: one file, or several that belong together. All names begin with the schedule's.
 ///
 /// # Errors
 /// See [`EmitError`].
@@ -142,7 +143,7 @@ pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Res
     Ok(files.into_iter().map(name).collect())
 }
 
-/// The picture of one instant of a schedule, in nanoseconds from its start, instead of the strobes of [`Format::Svg`].
+/// Draws one instant of a schedule, in nanoseconds from its start, instead of the strobes of [`Format::Svg`].
 ///
 /// # Errors
 /// [`EmitError::OutsideSchedule`] for an instant after the end; otherwise as [`emit`].
@@ -152,8 +153,8 @@ pub fn picture_at(verified: &Verified, t_ns: u64) -> Result<Vec<OutputFile>, Emi
     Ok(vec![OutputFile { name: format!("{}.svg", schedule.name), bytes: svg::write(verified, Some(t_ns))? }])
 }
 
-/// The page of a program that could not be built: its errors, and the scene with what of it could be built. `stem` is the name of the
-/// program's file without its ending.
+/// The page of a program that could not be built: its errors, and the scene with the parts that could be built. `stem`
+/// is the name of the program's file without its ending.
 ///
 /// # Errors
 /// As [`emit`] for [`Format::Html`].
@@ -170,8 +171,8 @@ pub fn refused_page(stem: &str, refused: &RefusedSchedule, provenance: &Provenan
     Ok(OutputFile { name: format!("{stem}.{FAILED_ENDING}"), bytes: html::write_refused(refused, provenance)? })
 }
 
-/// Lets the pages among a build's files follow their program, and adds the script beside them, of the given name, that tells them which
-/// build is the latest. Without a page, nothing changes.
+/// Makes the pages among a build's files follow their program, and adds the script of the given name beside them that
+/// names the latest build. Without a page, nothing changes.
 pub fn follow(files: &mut Vec<OutputFile>, script: &str, provenance: &Provenance) {
     let follower = html::Follower::new(script, provenance);
     let mut pages = Vec::new();
@@ -185,7 +186,8 @@ pub fn follow(files: &mut Vec<OutputFile>, script: &str, provenance: &Provenance
     }
 }
 
-/// Formats of decimal text have no form for infinity, and neither voltages nor places have a use for it.
+/// An error for infinite or NaN values: decimal text formats have no form for them, and no voltage or position may be
+/// one.
 fn check_finite(schedule: &Schedule) -> Result<(), EmitError> {
     let actuations = schedule.actuations.iter().flat_map(|actuation| {
         let levels = actuation.swing.map_or([0.0; 2], |swing| swing.levels);

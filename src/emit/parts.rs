@@ -1,4 +1,4 @@
-//! A schedule cut where it waits for an input or a person: each part is played on a clock of its own.
+//! A schedule cut at its waits for an input or a person; each part is played on its own clock.
 
 use super::wired::{WiredInstrument, wired};
 use super::{EmitError, Format, Signals};
@@ -6,20 +6,21 @@ use crate::device::instrument::{Awaited, Family};
 use crate::schedule::{Actuation, ChannelUnit, Schedule, ScheduledHold};
 use std::borrow::Cow;
 
-/// The line of a sender that stands for what it plays.
+/// Placeholder line in a sender for what it plays.
 pub const PLAYS: &str = "PLAYS = {}";
 
-/// The line of a sender that stands for [`SENDERS_SHARE`].
+/// Placeholder line in a sender for [`SENDERS_SHARE`].
 const SHARED_PLACE: &str = "# SHARED\n";
 
-/// How senders wait for inputs and people, read what is given to them, and end.
+/// Code shared by senders: waiting for inputs and people, reading arguments, and ending.
 const SENDERS_SHARE: &str = include_str!("sender.py");
 
-/// How long a part is that only holds what a wait at its beginning finds, in nanoseconds.
+/// Duration of a part that only holds the values of a wait at its beginning, in nanoseconds.
 const LEAST_NS: u64 = 1_000_000;
 
-/// The parts of a schedule, one more than it has waits that something follows, each from its own first instant: the schedule itself, if it
-/// waits for nothing. Where a wait follows, the last values of a part last beyond its end: the wait holds them.
+/// The parts of a schedule, one more than it has waits with something after them; each starts at its own instant 0. A
+/// schedule without waits is its only part. Where a wait follows, the last values of a part extend beyond its end,
+/// since the wait holds them.
 pub fn parts(schedule: &Schedule) -> Vec<Cow<'_, Schedule>> {
     if schedule.holds.is_empty() {
         return vec![Cow::Borrowed(schedule)];
@@ -28,7 +29,7 @@ pub fn parts(schedule: &Schedule) -> Vec<Cow<'_, Schedule>> {
     let starts = [0].into_iter().chain(schedule.holds.iter().map(ScheduledHold::end_ns));
     let holds = schedule.holds.iter().map(Some).chain([None]);
     let all = starts.zip(holds).map(|(start_ns, hold)| Cow::Owned(part(&whole, start_ns, hold)));
-    // Behind a wait at the end there is nothing to play.
+    // After a wait at the end there is nothing to play.
     let mut all: Vec<Cow<Schedule>> = all.collect();
     if all.len() > 1 && all.last().is_some_and(|last| last.duration_ns == 0) {
         all.pop();
@@ -36,7 +37,7 @@ pub fn parts(schedule: &Schedule) -> Vec<Cow<'_, Schedule>> {
     all
 }
 
-/// The instants at which waits cut a schedule, and how long what is played is where nothing is between two of them.
+/// The instants at which waits cut a schedule, and the duration of a part with nothing between two waits.
 pub fn cuts_ns(schedule: &Schedule) -> impl Iterator<Item = u64> {
     schedule.holds.iter().flat_map(|hold| [hold.start_ns, hold.end_ns(), LEAST_NS.min(hold.terms.duration_ns)])
 }
@@ -45,12 +46,12 @@ fn part(whole: &Signals, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedul
     let schedule = whole.schedule;
     let (end_ns, held_ns) = match hold {
         None => (schedule.duration_ns, schedule.duration_ns),
-        // Something must be played that puts the outputs where the wait has them.
+        // Something must be played that puts the outputs where the wait holds them.
         Some(hold) if hold.start_ns == start_ns => {
             let end_ns = start_ns + LEAST_NS.min(hold.terms.duration_ns);
             (end_ns, end_ns + (end_ns - start_ns))
         }
-        // All that is held is so for a multiple of what is played, so that samples stay as coarse as they are.
+        // Held values last for a multiple of the played time, so that the sample period need not become finer.
         Some(hold) => (hold.start_ns, hold.start_ns + (hold.start_ns - start_ns)),
     };
     let clipped = |actuation: &Actuation| {
@@ -61,7 +62,7 @@ fn part(whole: &Signals, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedul
         Some(Actuation { start_ns: begin_ns - start_ns, duration_ns, ..*actuation })
     };
     let mut actuations: Vec<Actuation> = schedule.actuations.iter().filter_map(clipped).collect();
-    // A stage that does not move in a part is where it was.
+    // A stage that does not move in a part stays where it was.
     for channel in whole.in_unit(ChannelUnit::Micrometre) {
         let place_um = whole.value(channel, start_ns);
         let (channel, duration_ns) = (channel as u32, held_ns - start_ns);
@@ -72,7 +73,7 @@ fn part(whole: &Signals, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedul
         }
     }
     actuations.sort_by_key(|actuation| (actuation.start_ns, actuation.channel));
-    // Steps and plans are those of the whole: no sender names them.
+    // Steps and plans are left out: no sender names them.
     Schedule {
         name: schedule.name.clone(),
         source: schedule.source.clone(),
@@ -86,12 +87,12 @@ fn part(whole: &Signals, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedul
     }
 }
 
-/// What one instrument plays of a part: how the sender knows it, and its file with the ending.
+/// Playback of a part by one instrument: its entry in the sender, and its file with the ending.
 pub type PlayedFile = (serde_json::Value, (String, Vec<u8>));
 
-/// A file for each part of a schedule and each instrument of a family, and the sender that plays them, all with their endings. `one` makes
-/// a file from what is wired to an instrument and from the number of the part, which is empty if there is one part; `noun` is the
-/// sender's word for the instruments.
+/// One file per part of a schedule and instrument of a family, and the sender that plays them, all with their endings.
+/// `one` makes a file from the channels wired to an instrument and the number of the part, which is empty if there is
+/// only one; `noun` is the sender's word for the instruments.
 ///
 /// # Errors
 /// [`EmitError::NotWired`], and those of `one`.
@@ -122,7 +123,7 @@ pub fn played(
     Ok(files)
 }
 
-/// The waits for a sender: what is asked or read, and for how long at most.
+/// The waits as data for a sender: the prompt or the input, and the longest time.
 pub fn listing(schedule: &Schedule) -> Vec<serde_json::Value> {
     let of_hold = |hold: &ScheduledHold| {
         let seconds = |ns: u64| ns as f64 / 1e9;
@@ -145,14 +146,15 @@ pub fn listing(schedule: &Schedule) -> Vec<serde_json::Value> {
     schedule.holds.iter().map(of_hold).collect()
 }
 
-/// A sender with what it plays, and how it waits. Texts of the program stand in it: none of them ends Python's string.
+/// A sender with its data: what it plays and how it waits. Texts of the program are escaped so that none ends the
+/// Python string.
 pub fn sender(template: &str, listing: &serde_json::Value) -> String {
     let text = format!("{listing:#}").replace('\'', "\\u0027");
     let plays = format!("PLAYS = json.loads(r'''{text}''')");
     template.replacen(PLAYS, &plays, 1).replacen(SHARED_PLACE, SENDERS_SHARE, 1)
 }
 
-/// An error if a schedule waits and the format has no form for that.
+/// An error if a schedule waits and the format cannot express that.
 pub fn refuse_holds(format: Format, schedule: &Schedule) -> Result<(), EmitError> {
     let Some(hold) = schedule.holds.first() else { return Ok(()) };
     let unsayable = |what: String, help: &str| Err(EmitError::Unsayable { format, what, help: help.to_owned() });
@@ -168,7 +170,8 @@ pub fn refuse_holds(format: Format, schedule: &Schedule) -> Result<(), EmitError
     }
 }
 
-/// An error if a schedule waits for an input, or for a person no longer than some time: MicroDrop has prompts without an end.
+/// An error if a schedule waits for an input, or for a person with a longest time: MicroDrop has only prompts without
+/// one.
 fn refuse_all_but_prompts(schedule: &Schedule) -> Result<(), EmitError> {
     let is_prompt = |hold: &&ScheduledHold| match hold.terms.awaited {
         Awaited::Person { .. } => !hold.terms.is_bounded,
@@ -181,7 +184,7 @@ fn refuse_all_but_prompts(schedule: &Schedule) -> Result<(), EmitError> {
     Err(EmitError::Unsayable { format: Format::Microdrop, what, help })
 }
 
-/// An error if the instruments of a schedule that waits are not all played by one sender.
+/// An error if a schedule waits and its instruments are not all played by one sender.
 fn refuse_two_senders(format: Format, schedule: &Schedule) -> Result<(), EmitError> {
     let families: Vec<Family> =
         schedule.bench.instruments.values().map(|instrument| instrument.facts.family()).collect();

@@ -1,17 +1,17 @@
 //! PWL: piecewise linear voltage sources for SPICE, and a small deck that ngspice runs.
 //!
-//! `<name>.pwl.inc` has a source for each channel, between ground and a node that is named like the channel, with `_` for characters
-//! that SPICE does not allow in a name. `<name>.cir` includes it, puts a load on every node, runs the schedule and writes the node
-//! voltages to `<name>.ngspice.txt`. A source cannot jump: a step at `t` begins at `t` and ends [`RISE_NS`] later. Straight
-//! lines from one value to another are exact.
+//! `<name>.pwl.inc` has a source for each channel, between ground and a node named like the channel, with `_` for
+//! characters that SPICE does not allow in a name. `<name>.cir` includes it, puts a load on every node, runs the
+//! schedule and writes the node voltages to `<name>.ngspice.txt`. A source cannot jump: a step at `t` begins at `t` and
+//! ends [`RISE_NS`] later. Straight lines from one value to another are exact.
 //!
-//! A channel of positions is a source too, in which 1 V means 1 um: the set point of a model of a stage, or of the amplifier in front of
-//! it, after a gain of volts per micrometre. The comment before the source states this.
+//! A channel of positions is a source too, in which 1 V means 1 um: the set point of a model of a stage, or of the
+//! amplifier in front of it, after a gain of volts per micrometre. The comment before the source states this.
 //!
-//! A drive train remains one line however long it is: the PWL source of its channel has the second level of the swing, and a PULSE
-//! source in series adds the difference to the first one for half of each period; its eighth number is the number of
-//! periods. The node carries the sum, the voltage of the channel. The sources have every train to its end; since ngspice takes some
-//! thirty points for each edge, the deck stops after 20,000 of them, and says how to run all.
+//! A drive train is one line however long it is: the PWL source of its channel has the second level of the swing, and a
+//! PULSE source in series adds the difference to the first one for half of each period; its eighth number is the number
+//! of periods. The node carries the sum, the voltage of the channel. The sources have every train to its end. Since
+//! ngspice takes about thirty points per edge, the deck stops after 20,000 edges and says how to run all.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
@@ -27,7 +27,7 @@ pub const RISE_NS: u64 = 1;
 /// Load of each source of the deck, in ohms: negligible; to be replaced by the actuator's model.
 const LOAD_OHM: &str = "1meg";
 
-/// Time steps of the deck's run; the edges come on top.
+/// Time steps of the deck's run, in addition to the edges.
 const STEPS: u64 = 1000;
 
 /// Estimated bytes of a point.
@@ -36,7 +36,7 @@ const POINT_BYTES: u64 = 32;
 /// Estimated bytes of the source of a train.
 const TRAIN_BYTES: u64 = 128;
 
-/// Greatest number of edges in the deck if there are trains, since ngspice takes some thirty points for each.
+/// Greatest number of edges in the deck if there are trains, since ngspice takes about thirty points for each.
 const MAX_EDGES: u64 = 20_000;
 
 /// Greatest product of edges and sources, since ngspice evaluates every source at every point.
@@ -62,11 +62,11 @@ pub(super) fn write(signals: &Signals) -> Result<[Vec<u8>; 2], EmitError> {
     Ok([sources(signals, &lines, &nodes, &inner).into_bytes(), deck(signals, &nodes).into_bytes()])
 }
 
-/// The waveform of a channel: a line through points, and the trains on top of it.
+/// Waveform of a channel: a line through points, with the trains on top.
 struct Waveform<'a> {
     signals: &'a Signals<'a>,
     channel: usize,
-    /// Empty where a level is no longer than a step's rise; the line then goes through every edge.
+    /// Empty if a level is no longer than the rise of a step; the line then goes through every edge.
     trains: Vec<(&'a Actuation, Swing)>,
 }
 
@@ -158,7 +158,7 @@ fn sources(signals: &Signals, lines: &[Waveform], nodes: &[String], inner: &[Str
         };
         let _ = writeln!(text, "* {} [{}]{scale}{wire}", channel.name, channel.unit.symbol());
         let own: Vec<&str> = inner.by_ref().take(line.trains.len()).map(String::as_str).collect();
-        // Each source stands on the next one, the last one on ground.
+        // The sources are in series: each stands on the next one, the last on ground.
         let below = own.iter().copied().chain(["0"]);
         let mut names = std::iter::once(node.as_str()).chain(own.iter().copied()).zip(below);
         if let Some((node, below)) = names.next() {
@@ -207,12 +207,13 @@ fn deck(signals: &Signals, nodes: &[String]) -> String {
     text.push_str(".control\nset wr_singlescale\nset wr_vecnames\noption numdgt=12\nrun\n");
     let vectors: Vec<String> = nodes.iter().map(|node| format!("v({node})")).collect();
     let _ = writeln!(text, "wrdata {name}.ngspice.txt {}", vectors.join(" "));
-    // Without it, ngspice ends a batch run with status 1, because the run was not started by the batch mode itself.
+    // Without it, ngspice ends a batch run with status 1, because the run was not started by batch mode itself.
     text.push_str("quit 0\n.endc\n.end\n");
     text
 }
 
-/// How to run a deck to the end that stops before it: with points of output instead of all that ngspice takes, which fill the memory.
+/// Instructions for running a deck that stops early to its end: with output at fixed points instead of all that ngspice
+/// takes, which would fill the memory.
 fn whole_run(signals: &Signals) -> String {
     let channels = 0..signals.schedule.channels.len();
     let halves_ns = channels.clone().flat_map(|channel| signals.swings(channel)).map(|(_, swing)| half_ns(swing));
@@ -227,7 +228,7 @@ fn whole_run(signals: &Signals) -> String {
     )
 }
 
-/// Where the deck stops: at the end of the schedule, or where there are trains after [`most_edges`].
+/// Where the deck stops: at the end of the schedule, or, if there are trains, after [`most_edges`].
 fn stop_ns(signals: &Signals) -> u64 {
     let duration_ns = signals.schedule.duration_ns;
     let channels = 0..signals.schedule.channels.len();

@@ -1,7 +1,8 @@
 //! Sample period of the outputs.
 //!
-//! Voltages have their edges on samples, so that they are exact. Positions are sampled often enough for their speed; where an instrument
-//! is too slow or its memory too small for that, by no more than the tolerance of their device.
+//! Edges of voltages fall on samples, so voltages are exact. Positions are sampled often enough for their speed; where
+//! an instrument is too slow or its memory too small, no stage moves by more than the tolerance of its device between
+//! samples.
 
 use super::signal::half_ns;
 use super::wired::WiredInstrument;
@@ -10,27 +11,27 @@ use crate::claims::Claims;
 use crate::device::instrument::QUOTIENT_ROOM;
 use crate::schedule::{Actuation, ChannelUnit, common_divisor_ns};
 
-/// Greatest move of a stage from one sample to the next, in micrometres, where the instrument is fast enough, its memory suffices and the
-/// tolerance of its device is no less.
+/// Greatest move of a stage from one sample to the next, in micrometres, if the instrument is fast enough, its memory
+/// suffices and the tolerance of its device is not smaller.
 pub const SAMPLE_UM: f64 = 0.05;
 
-/// Greatest number of parts into which the common period of voltages is divided for positions.
+/// Largest divisor by which the common period of voltages is subdivided for positions.
 const MAX_PARTS: u64 = 100_000;
 
-/// What an instrument takes.
+/// Sampling limits of an instrument.
 pub struct SampleLimits {
-    /// At least and at most so many points.
+    /// Least and greatest number of points.
     pub points: [u64; 2],
-    /// Most of them in a second.
+    /// Greatest sample rate.
     pub rate_hz: f64,
-    /// The longest period that will do, if there is one.
+    /// Longest acceptable period, if any.
     pub most_ns: Option<u64>,
 }
 
-/// The samples of all channels, before they are scaled.
+/// Sampling of all channels, before values are scaled.
 pub struct Sampling {
     pub period_ns: u64,
-    /// With the ones before and after the schedule; a sequence repeats some of them.
+    /// Number of points with the ones before and after the schedule; a sequence repeats some of them.
     pub points: u64,
 }
 
@@ -53,7 +54,7 @@ impl Sampling {
         let period_ns = match steady_ns(signals, claims) {
             None => {
                 let exact_ns = common_divisor_ns(duration_ns, common_ns);
-                // After the last edge nothing changes, so that the end may be a little later.
+                // After the last edge nothing changes, so the end may be a little later.
                 let whole_ns = if exact_ns < by_rate_ns { common_ns.max(exact_ns) } else { exact_ns }.max(1);
                 limits.most_ns.map_or(whole_ns, |most_ns| part(whole_ns, most_ns, by_rate_ns))
             }
@@ -100,7 +101,8 @@ impl Sampling {
         Ok(())
     }
 
-    /// Where a stage is at each sample, in micrometres: at the first one where it is at the beginning, as at the second.
+    /// Positions of a stage at the samples, in micrometres; the first sample, before the start, repeats the initial
+    /// position.
     pub fn positions(&self, signals: &Signals, channel: usize) -> impl Iterator<Item = f64> {
         let at = move |index: u64| (index.saturating_sub(1) * self.period_ns).min(signals.schedule.duration_ns);
         (0..self.points).map(move |index| signals.value(channel, at(index)))
@@ -110,12 +112,12 @@ impl Sampling {
     pub fn step_um(&self, signals: &Signals) -> Option<f64> {
         let fastest = signals.in_unit(ChannelUnit::Micrometre).map(|index| um_per_ns(signals, index)).reduce(f64::max);
         let step_um = fastest? * self.period_ns as f64;
-        // Rounded up, but for the rounding of the product.
+        // Rounded up, except for the rounding error of the product.
         Some(((step_um * 1e4 - 1e-6).ceil() / 1e4).abs())
     }
 }
 
-/// The greatest common divisor of all times of voltages, and of where waits cut them; 0 without voltages.
+/// Greatest common divisor of all times of voltages, and of the cuts at waits; 0 without voltages.
 fn common_ns(signals: &Signals) -> u64 {
     let of_volts = signals.in_unit(ChannelUnit::Volt).flat_map(|channel| signals.away_from_rest(channel));
     let of_volts: Vec<Actuation> = of_volts.collect();
@@ -125,8 +127,8 @@ fn common_ns(signals: &Signals) -> u64 {
     times.chain(halves).chain(cuts).fold(0, common_divisor_ns)
 }
 
-/// The greatest round period in which no stage moves by more than [`SAMPLE_UM`], or the tolerance of its device if that is less; `None`
-/// without stages.
+/// The greatest round period in which no stage moves by more than [`SAMPLE_UM`], or the tolerance of its device if that
+/// is less; `None` without stages.
 fn steady_ns(signals: &Signals, claims: &Claims) -> Option<u64> {
     let of_stage = |index: usize| {
         let tolerance_um = claims.tolerance_um(&signals.schedule.channels[index].device);
@@ -141,13 +143,14 @@ fn steady_ns(signals: &Signals, claims: &Claims) -> Option<u64> {
     round_ns.into_iter().find(|period_ns| *period_ns as f64 <= exact_ns).or(Some(1))
 }
 
-/// The greatest speed of one stage.
+/// Greatest speed of a stage.
 fn um_per_ns(signals: &Signals, channel: usize) -> f64 {
     let speed = |actuation: &&Actuation| (actuation.to - actuation.from).abs() / actuation.duration_ns as f64;
     signals.of(channel).iter().map(speed).fold(0.0, f64::max)
 }
 
-/// A whole part of a period: the greatest that is as short as wanted, or else the shortest found that is not below the least.
+/// A period divided by a whole number: the longest result that is at most `wanted_ns`, or else the shortest found that
+/// is at least `least_ns`.
 fn part(whole_ns: u64, wanted_ns: u64, least_ns: u64) -> u64 {
     let parts = (1..=whole_ns.min(MAX_PARTS)).filter(|parts| whole_ns.is_multiple_of(*parts));
     let mut found_ns = whole_ns;

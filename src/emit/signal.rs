@@ -1,37 +1,38 @@
 //! The channels of a schedule as functions of time.
 //!
-//! Outside of its actuations a voltage is at rest, and a stage stays at its last position, or at its first one before the first actuation.
+//! Outside its actuations a voltage is at rest, and a stage stays at its last position, or at its first one before the
+//! first actuation.
 //!
-//! A swing is one actuation, however long it is. Its ends are [`Signals::breaks`]; the changes between them are only counted, or
-//! listed one by one by [`SignalEdges`], for the formats without a notation for trains.
+//! A swing is one actuation however long it is. Its ends are [`Signals::breaks`]; the changes between them are only
+//! counted, or listed one by one by [`SignalEdges`] for formats without a notation for trains.
 
 use super::identifier;
 use crate::schedule::levels::away_from_rest;
 use crate::schedule::{Actuation, ChannelUnit, Schedule, Swing};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Greatest rounding difference of two equal positions.
+/// Greatest rounding difference of two equal positions, in micrometres.
 pub const LEAP_UM: f64 = 1e-9;
 
-/// What a channel does about an instant: a drive train, or a single value.
+/// State of a channel around an instant: a drive train, or a single value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
-    /// Of a train, in the order in which they come; otherwise twice the value.
+    /// Levels of the train in order; without a train, twice the value.
     pub levels: [f64; 2],
     /// 0 without a train.
     pub period_ns: u64,
-    /// The start of the train; 0 without one.
+    /// Start of the train; 0 without one.
     pub start_ns: u64,
 }
 
-/// The actuations of every channel, for looking up values.
+/// The actuations of a schedule by channel, for looking up values.
 pub struct Signals<'a> {
     pub schedule: &'a Schedule,
     by_channel: Vec<Vec<&'a Actuation>>,
 }
 
 impl<'a> Signals<'a> {
-    /// Sorts the actuations of a schedule by their channels. One channel has at most one value at a time.
+    /// Sorts the actuations of a schedule by channel. A channel has at most one value at a time.
     pub fn new(schedule: &'a Schedule) -> Self {
         Signals { schedule, by_channel: schedule.by_channel() }
     }
@@ -41,7 +42,7 @@ impl<'a> Signals<'a> {
         &self.by_channel[channel]
     }
 
-    /// The actuations of a channel of voltages between which its value changes, in order of time.
+    /// The actuations of a voltage channel between which its value changes, in order of time.
     pub fn away_from_rest(&self, channel: usize) -> Vec<Actuation> {
         away_from_rest(self.of(channel).iter().copied(), self.schedule.channels[channel].rest_v)
     }
@@ -56,17 +57,17 @@ impl<'a> Signals<'a> {
         self.schedule.channels[channel].unit
     }
 
-    /// The channels whose numbers are of a unit.
+    /// The channels of a unit.
     pub fn in_unit(&self, unit: ChannelUnit) -> impl Iterator<Item = usize> + Clone {
         (0..self.schedule.channels.len()).filter(move |channel| self.unit(*channel) == unit)
     }
 
-    /// The value at an instant; where it jumps, the new one.
+    /// The value at an instant; at a jump, the new one.
     pub fn value(&self, channel: usize, t_ns: u64) -> f64 {
         self.value_of(channel, self.begun(channel, t_ns), t_ns)
     }
 
-    /// The value at an instant by which so many actuations have begun.
+    /// The value at an instant, given the number of actuations that have begun by then.
     fn value_of(&self, channel: usize, begun: usize, t_ns: u64) -> f64 {
         self.during_of(channel, begun, t_ns).map_or_else(|| self.rest(channel, begun), |actuation| at(actuation, t_ns))
     }
@@ -75,13 +76,13 @@ impl<'a> Signals<'a> {
     pub fn value_before(&self, channel: usize, t_ns: u64) -> f64 {
         let rest = || self.rest(channel, self.begun_before(channel, t_ns));
         self.until(channel, t_ns).map_or_else(rest, |actuation| match actuation.swing {
-            // Levels hold for whole nanoseconds, so the one before is that of the nanosecond before.
+            // Levels hold for whole nanoseconds, so the value before is that of the preceding nanosecond.
             Some(_) => at(actuation, t_ns - 1),
             None => at(actuation, t_ns),
         })
     }
 
-    /// A voltage's value before and after the schedule; `None` for a stage, which stays where it is.
+    /// The value of a voltage before and after the schedule; `None` for a stage, which stays where it is.
     pub fn rest_v(&self, channel: usize) -> Option<f64> {
         match self.unit(channel) {
             ChannelUnit::Volt => Some(self.schedule.channels[channel].rest_v),
@@ -89,7 +90,8 @@ impl<'a> Signals<'a> {
         }
     }
 
-    /// The value between two actuations, `over` of them being over: a stage stays where it is, a voltage is at rest.
+    /// The value between two actuations, after the first `over` of them: a stage stays where it is, a voltage is at
+    /// rest.
     fn rest(&self, channel: usize, over: usize) -> f64 {
         let list = self.of(channel);
         self.rest_v(channel).unwrap_or_else(|| match over.checked_sub(1) {
@@ -113,7 +115,7 @@ impl<'a> Signals<'a> {
         self.swings(channel).next().is_some()
     }
 
-    /// A channel about an instant, for formats with a notation for trains.
+    /// State of a channel around an instant, for formats with a notation for trains.
     pub fn drive(&self, channel: usize, t_ns: u64) -> Drive {
         match self.during(channel, t_ns) {
             Some(Actuation { swing: Some(Swing { period_ns, levels }), start_ns, .. }) => {
@@ -128,7 +130,7 @@ impl<'a> Signals<'a> {
         self.during_of(channel, self.begun(channel, t_ns), t_ns)
     }
 
-    /// The actuation at an instant by which so many have begun.
+    /// The actuation at an instant, given the number of actuations that have begun by then.
     fn during_of(&self, channel: usize, begun: usize, t_ns: u64) -> Option<&'a Actuation> {
         let last = begun.checked_sub(1)?;
         Some(self.of(channel)[last]).filter(|actuation| t_ns < actuation.end_ns())
@@ -146,14 +148,14 @@ impl<'a> Signals<'a> {
         actuations.flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]).collect()
     }
 
-    /// The instants at which one of these channels jumps or bends, within swings too.
+    /// The instants at which one of these channels jumps or bends, including those within swings.
     pub fn edges(&self, channels: impl IntoIterator<Item = usize> + Clone) -> SignalEdges<'_> {
         let swinging = channels.clone().into_iter().filter(|channel| self.swings(*channel).next().is_some()).collect();
         let breaks = self.breaks(channels).into_iter().collect();
         SignalEdges { signals: self, swinging, breaks, next: 0, open: Vec::new(), last_ns: 0 }
     }
 
-    /// No fewer than the edges of these channels.
+    /// Upper bound on the number of edges of these channels.
     pub fn count_edges(&self, channels: impl IntoIterator<Item = usize>) -> u64 {
         let of_actuation = |actuation: &&Actuation| match actuation.swing {
             Some(swing) => 2 + actuation.duration_ns / half_ns(swing),
@@ -163,7 +165,7 @@ impl<'a> Signals<'a> {
         actuations.map(of_actuation).fold(0, u64::saturating_add)
     }
 
-    /// The devices that have channels, each with a name that no other has in the grammar of `plain`.
+    /// The devices that have channels, each with a name that is distinct in the grammar of `plain`.
     pub fn device_names(&self, plain: impl Fn(&str) -> String) -> BTreeMap<&'a str, String> {
         let devices: indexmap::IndexSet<&str> =
             self.schedule.channels.iter().map(|channel| channel.device.as_str()).collect();
@@ -171,7 +173,7 @@ impl<'a> Signals<'a> {
         devices.into_iter().zip(names).collect()
     }
 
-    /// The devices that have channels, with the unit and the indices of their channels, in the order of the channels.
+    /// The devices that have channels, by unit, with the indices of their channels, in channel order.
     pub fn devices(&self) -> Vec<(&'a str, ChannelUnit, Vec<usize>)> {
         let mut devices: indexmap::IndexMap<(&str, ChannelUnit), Vec<usize>> = indexmap::IndexMap::new();
         for (index, channel) in self.schedule.channels.iter().enumerate() {
@@ -180,7 +182,7 @@ impl<'a> Signals<'a> {
         devices.into_iter().map(|((device, unit), channels)| (device, unit, channels)).collect()
     }
 
-    /// The first voltage that runs in a straight line, where a format can only hold voltages.
+    /// The first voltage ramp, for formats that can only hold voltages.
     pub fn first_ramp(&self) -> Option<&'a Actuation> {
         self.schedule.actuations.iter().find(|actuation| {
             let of_volts = self
@@ -192,7 +194,7 @@ impl<'a> Signals<'a> {
         })
     }
 
-    /// The first instant at which a stage would need to be in two places, with its channel; or where it would swing.
+    /// The channel and instant of the first position jump or swing of a stage.
     pub fn first_leap(&self) -> Option<(usize, u64)> {
         let leap = |channel: usize| {
             let leaps = |t_ns: &u64| (self.value_before(channel, *t_ns) - self.value(channel, *t_ns)).abs() > LEAP_UM;
@@ -204,7 +206,7 @@ impl<'a> Signals<'a> {
     }
 }
 
-/// A channel at one instant after the other, in order of time: without a search for each.
+/// A channel read at successive instants in order of time, without a search for each.
 pub struct SignalCursor<'a> {
     signals: &'a Signals<'a>,
     channel: usize,
@@ -217,8 +219,8 @@ impl<'a> SignalCursor<'a> {
         SignalCursor { signals, channel, begun: 0 }
     }
 
-    /// The lowest and the highest value that the channel takes about an instant that is no earlier than the last one: the levels of a swing,
-    /// else twice the value.
+    /// The lowest and the highest value of the channel around an instant that is no earlier than the last one: the
+    /// levels of a swing, else twice the value.
     pub fn envelope(&mut self, t_ns: u64) -> [f64; 2] {
         let rest = &self.signals.of(self.channel)[self.begun..];
         self.begun += rest.iter().take_while(|actuation| t_ns >= actuation.start_ns).count();
@@ -229,7 +231,7 @@ impl<'a> SignalCursor<'a> {
     }
 }
 
-/// The edges of some channels, each instant once, in order.
+/// The edges of some channels in order, each instant once.
 pub struct SignalEdges<'a> {
     signals: &'a Signals<'a>,
     swinging: Vec<usize>,
@@ -259,7 +261,7 @@ impl Iterator for SignalEdges<'_> {
     }
 }
 
-/// Duration of each level of a swing; at least a nanosecond, whatever the period.
+/// Duration of each level of a swing; at least one nanosecond, whatever the period.
 pub fn half_ns(swing: Swing) -> u64 {
     (swing.period_ns / 2).max(1)
 }

@@ -4,13 +4,13 @@ use super::{EmitError, Format};
 use crate::device::instrument::{Drive, Family, Instrument, Start};
 use crate::schedule::Schedule;
 
-/// An instrument of the program with the channels that are wired to it.
+/// An instrument of the program with the channels wired to it.
 pub struct WiredInstrument<'a> {
     pub name: &'a str,
     pub instrument: &'a Instrument,
-    /// The schedule with these channels alone, in the order of `drives`.
+    /// The schedule reduced to these channels, in the order of `drives`.
     pub schedule: Schedule,
-    /// In the order of the channels.
+    /// In channel order.
     pub drives: Vec<&'a Drive>,
     /// Whether the program has no other instrument.
     pub is_alone: bool,
@@ -18,7 +18,7 @@ pub struct WiredInstrument<'a> {
     pub leads: bool,
 }
 
-/// The instruments of a family with what each plays, by their names.
+/// The instruments of a family with their channels, by name.
 ///
 /// # Errors
 /// [`EmitError::NotWired`] where no channel is wired to an instrument of the family.
@@ -46,7 +46,7 @@ pub fn wired(format: Format, schedule: &Schedule, family: Family) -> Result<Vec<
     }
 }
 
-/// The schedule with some of its channels alone.
+/// The schedule reduced to some of its channels.
 fn part(schedule: &Schedule, channels: &[usize]) -> Schedule {
     let place = |channel: u32| channels.iter().position(|index| *index == channel as usize);
     let places: Vec<Option<usize>> = (0..schedule.channels.len() as u32).map(place).collect();

@@ -1,4 +1,4 @@
-//! Places of which the plan chooses: `mix a among [(2, 2), (7, 2)] for 3 s`.
+//! Places among which the plan chooses: `mix a among [(2, 2), (7, 2)] for 3 s`.
 
 use super::errors;
 use super::goals::{BoardStepJudge, phrases};
@@ -11,8 +11,8 @@ use crate::source::Span;
 use std::collections::BTreeMap;
 
 impl BoardStepJudge<'_> {
-    /// The places at which an operation may take place: that after `at`, or those after `among`; none where it stays where its part is.
-    /// `None` after an error.
+    /// The candidate places of an operation: the one after `at`, or those after `among`; empty if it happens where its
+    /// part is. `None` after an error.
     pub(super) fn places(&mut self, call: &Call, sort: Option<ZoneSort>) -> Option<Vec<OperationPlace>> {
         let at = phrases(call, "at").next();
         let Some(among) = phrases(call, "among").next() else {
@@ -45,7 +45,7 @@ impl BoardStepJudge<'_> {
         Some(OperationPlace { stop, zone: Some(zone) })
     }
 
-    /// An operation at the one of some places that the plan chooses, or at the only one.
+    /// An operation at one of several places that the plan chooses, or at the only one.
     pub(super) fn at_one_of(operation: AssayOperation, places: Vec<OperationPlace>) -> AssayOperation {
         let stops: Vec<ElectrodeArrayStop> = places.first().map(|place| place.stop.clone()).into_iter().collect();
         let among = if places.len() > 1 { places } else { Vec::new() };

@@ -14,7 +14,7 @@ use crate::device::electrode_array::{
 use crate::diagnostic::Sink;
 use crate::quantity::{digits, no_less};
 
-/// The facts of a complete device; `None` where parts cannot even be placed.
+/// The facts of a complete device; `None` if parts cannot even be placed.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFacts> {
     let fields = &device.fields;
     let [columns, rows] = map::sides(device, sink)?;
@@ -54,7 +54,7 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFa
     is_placeable.then_some(facts)
 }
 
-/// The columns and rows of the mixing loop.
+/// Columns and rows of the mixing loop.
 fn mixer(device: &CheckedDevice, sink: &mut Sink) -> Option<[u32; 2]> {
     let Some(field) = device.fields.get("mixer") else { return Some(DEFAULT_MIXER) };
     let sides = whole_cell(&field.value);
@@ -87,7 +87,7 @@ fn layout(device: &CheckedDevice, sink: &mut Sink) -> Option<Layout> {
     layout
 }
 
-/// The layout that a shape is; `None` for one that no board carries.
+/// The layout that a shape describes; `None` if no board carries it.
 pub fn layout_of(shape: &ShapeValue) -> Option<Layout> {
     let half_width = shape.fields.si("half_width")?;
     let Value::Point(point) = &shape.fields.get("electrodes")?.value else { return None };
@@ -99,7 +99,7 @@ pub fn layout_of(shape: &ShapeValue) -> Option<Layout> {
     Some(Layout { electrodes, half_width_pitches: half_width })
 }
 
-/// `(3, 3)`, as it was written.
+/// The electrode count of a shape as written, such as `(3, 3)`.
 pub fn electrodes_text(shape: &ShapeValue) -> String {
     match shape.fields.get("electrodes").map(|field| &field.value) {
         Some(Value::Point(point)) if point.len() == 2 => format!("({}, {})", point[0], point[1]),
@@ -107,7 +107,7 @@ pub fn electrodes_text(shape: &ShapeValue) -> String {
     }
 }
 
-/// From the centre of a part to the rim of its outermost electrodes, in pitches.
+/// Distance from the centre of a part to the rim of its outermost electrodes, in pitches.
 fn electrodes_reach(facts: &ElectrodeArrayFacts) -> f64 {
     f64::from(facts.layout.electrodes.rim()) + 1.0 / (2.0 + facts.pitch_ratio)
 }
@@ -123,7 +123,7 @@ fn covers_electrodes(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: 
     }
 }
 
-/// Parts touch no other part, pull on none, and pass over no obstacle.
+/// Reports boards on which parts would touch or pull on each other, or pass over obstacles.
 fn keeps_apart(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     let half = facts.layout.half_width_pitches;
     let apart = facts.separation.apart();
@@ -152,7 +152,7 @@ fn keeps_apart(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut S
     }
 }
 
-/// The least whole number above a figure.
+/// The least whole number above a figure, up to a rounding error.
 fn beyond(figure: f64) -> u32 {
     // A cast saturates at the largest integer.
     ((figure * (1.0 + 1e-9)).floor() as u32).saturating_add(1)
@@ -168,7 +168,7 @@ fn has_room(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink
     sink.push(device.labelled(errors::board_too_small(facts.columns, facts.rows, least), labels));
 }
 
-/// Droplets as they are dispensed are neither too small nor too large.
+/// Reports volume limits that exclude a droplet as dispensed.
 fn carries_one(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     let limits = [("least_volume", facts.least_volume.filter(|least| *least > 1.0))];
     let limits = limits.into_iter().chain([("most_volume", facts.most_volume.filter(|most| *most < 1.0))]);

@@ -1,30 +1,30 @@
-//! Which obstacle keeps a centre from a cell, and which places lie too near to each other.
+//! Obstacles that keep centres from cells, and places that lie too near to each other.
 //!
-//! Obstacles are painted onto the board once, each grown by the distance that centres keep; a cell that is painted is passed
-//! over from then on, so that many large obstacles cost no more than the board and their rows. Places lie in squares as wide as
-//! the distance that they keep, so that a query examines nine squares.
+//! Obstacles are painted onto the board once, each grown by the distance that centres keep. Painted cells are skipped
+//! from then on, so many large obstacles cost no more than the board and their rows. Places are hashed into squares as
+//! wide as the distance that they keep, so a query examines nine squares.
 
 use crate::claims::electrode_array::{ElectrodeArrayObstacle, ElectrodeArrayObstacleBody};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use rustc_hash::FxHashMap;
 
-/// Number of rings of cells round a place that are searched for a better one.
+/// Number of rings of cells around a place that are searched for a better one.
 const MAX_RINGS: u32 = 64;
 
-/// For each cell the obstacle that keeps centres from it.
+/// For each cell, the obstacle that keeps centres from it.
 pub struct ObstacleCells {
     columns: u32,
-    /// Index of the obstacle plus 1, row by row; 0 for a cell that is free.
+    /// Index of the obstacle plus 1, row by row; 0 for a free cell.
     painted: Vec<u32>,
 }
 
 impl ObstacleCells {
-    /// Paints the obstacles of a board, the first ones first.
+    /// Paints the obstacles of a board; earlier ones take precedence.
     pub fn of(obstacles: &[ElectrodeArrayObstacle], facts: &ElectrodeArrayFacts) -> ObstacleCells {
         let cells = facts.columns as usize * facts.rows as usize;
         let mut cover = ObstacleCells { columns: facts.columns, painted: vec![0; cells] };
         let width = facts.columns as usize + 1;
-        // The next cell of a row that is not painted, perhaps; the last of each row stands for none.
+        // Union-find links: the next possibly unpainted column of each row; the last entry of a row stands for none.
         let mut next: Vec<u32> = (0..facts.rows).flat_map(|_| 0..=facts.columns).collect();
         for (index, obstacle) in obstacles.iter().enumerate() {
             let [low, high] = grown(&obstacle.body, facts);
@@ -49,7 +49,7 @@ impl ObstacleCells {
     }
 }
 
-/// The first unpainted column from a given one on, counted from 0; links passed on the way are shortened.
+/// The first unpainted column at or after a given one, counted from 0; links on the way are shortened.
 fn free_from(next: &mut [u32], from: u32) -> u32 {
     let mut at = from;
     while next[at as usize] != at {
@@ -72,29 +72,29 @@ fn grown(body: &ElectrodeArrayObstacleBody, facts: &ElectrodeArrayFacts) -> [Ele
     [low, high]
 }
 
-/// Places that keep a distance from each other, each with its object.
+/// Places that keep a distance from each other, each with a value.
 pub struct SpacedPlaces<T> {
     apart: u32,
     squares: FxHashMap<(u32, u32), Vec<(ElectrodeCell, T)>>,
 }
 
 impl<T: Copy> SpacedPlaces<T> {
-    /// Nothing yet; `apart` is the Chebyshev distance to be kept, at least 1.
+    /// An empty set; `apart` is the required Chebyshev distance, at least 1.
     pub fn new(apart: u32) -> SpacedPlaces<T> {
         SpacedPlaces { apart, squares: FxHashMap::default() }
     }
 
     fn square(&self, cell: ElectrodeCell) -> (u32, u32) {
-        // One up, so that each square has neighbours on all sides.
+        // Offset by one, so that each square has neighbours on all sides.
         (cell.column / self.apart + 1, cell.row / self.apart + 1)
     }
 
-    /// Puts something there, whatever is near.
+    /// Adds a value at a cell, without a check of the distance.
     pub fn put(&mut self, cell: ElectrodeCell, what: T) {
         self.squares.entry(self.square(cell)).or_default().push((cell, what));
     }
 
-    /// Removes the object at a place if it is the one meant.
+    /// Removes a value at a cell if `is_meant` accepts it.
     pub fn take(&mut self, cell: ElectrodeCell, is_meant: impl Fn(T) -> bool) {
         let square = self.square(cell);
         if let Some(there) = self.squares.get_mut(&square) {
@@ -102,7 +102,7 @@ impl<T: Copy> SpacedPlaces<T> {
         }
     }
 
-    /// The object too near to a place: the nearest, and of these the one added first.
+    /// The value too near to a cell: the nearest, and of equally near ones the one added first.
     pub fn near(&self, cell: ElectrodeCell) -> Option<(ElectrodeCell, T)> {
         let (column, row) = self.square(cell);
         let squares = (row - 1..=row + 1).flat_map(|row| (column - 1..=column + 1).map(move |column| (column, row)));
@@ -111,7 +111,7 @@ impl<T: Copy> SpacedPlaces<T> {
     }
 }
 
-/// The cell nearest to another that a centre can take and that passes a test; of several as near as another the first by row.
+/// The nearest cell that a centre can take and that passes a test; of equally near ones the first by row.
 pub fn nearest_cell(
     cell: ElectrodeCell,
     facts: &ElectrodeArrayFacts,
@@ -125,7 +125,7 @@ pub fn nearest_cell(
     })
 }
 
-/// The cells at a Chebyshev distance, those below 1 left out.
+/// The cells at a Chebyshev distance, without those below 1.
 fn ring_of(cell: ElectrodeCell, ring: u32) -> impl Iterator<Item = ElectrodeCell> {
     let (column, row, ring) = (i64::from(cell.column), i64::from(cell.row), i64::from(ring));
     let cells = (-ring..=ring).flat_map(move |up| {

@@ -1,7 +1,8 @@
 //! Driving and holding forces on a part, from the table of forces.
 //!
-//! Between two radii of the table every figure is interpolated. Electrostatic forces grow with the permittivity and with the
-//! square of the potential, which is exact for one dielectric and a first approximation for layers of several.
+//! Between two radii of the table every figure is interpolated linearly. Electrostatic forces grow with the
+//! permittivity and with the square of the potential, which is exact for one dielectric and a first approximation for
+//! several layers.
 
 use super::motion::Pull;
 use crate::check::value::Accepted;
@@ -9,7 +10,7 @@ use crate::check::value::{TableValue, Value};
 use crate::real::Real;
 use crate::source::Span;
 
-/// The figures of one electrode radius, in SI units.
+/// Row of the force table for one electrode radius, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceRow {
     pub radius_m: f64,
@@ -22,7 +23,7 @@ pub struct ForceRow {
 }
 
 impl ForceRow {
-    /// Between this row and another, `share` of the way.
+    /// Interpolates between this row and another, `share` of the way.
     fn towards(&self, other: &ForceRow, share: f64) -> ForceRow {
         let mix = |own: f64, other: f64| own + (other - own) * share;
         ForceRow {
@@ -37,13 +38,13 @@ impl ForceRow {
     }
 }
 
-/// The table, by radius.
+/// The force table, sorted by radius.
 pub struct RadiusTable {
     rows: Vec<ForceRow>,
     pub span: Span,
 }
 
-/// Why a table cannot be interpolated: two rows are of one radius.
+/// Why a table cannot be interpolated: two rows have the same radius.
 pub struct Repeated {
     pub radius_m: f64,
     pub first: Span,
@@ -51,7 +52,7 @@ pub struct Repeated {
 }
 
 impl RadiusTable {
-    /// The field `forces`, if it is given.
+    /// Reads the field `forces`, if given.
     pub fn of(fields: &Accepted) -> Option<Result<RadiusTable, Repeated>> {
         let field = fields.get("forces")?;
         let Value::Table(table) = &field.value else { return None };
@@ -76,7 +77,7 @@ impl RadiusTable {
         [radius(self.rows.first()), radius(self.rows.last())]
     }
 
-    /// The figures of a radius; `None` outside of the table.
+    /// The interpolated row of a radius; `None` outside the table.
     pub fn at(&self, radius_m: f64) -> Option<ForceRow> {
         let above = self.rows.iter().position(|row| row.radius_m >= radius_m)?;
         let upper = self.rows[above];
@@ -107,11 +108,11 @@ fn row(table: &TableValue, index: usize) -> ForceRow {
     }
 }
 
-/// Forces on a part that is to leave its cell, one pitch from its goal.
+/// Forces on a part that leaves its cell, one pitch from its goal.
 #[derive(Debug, Clone, Copy)]
 pub struct Forces {
     row: ForceRow,
-    /// The row's own force along the board, over distance.
+    /// The row's force along the board, as a function of distance.
     pull: Pull,
     pitch_m: f64,
     permittivity: f64,
@@ -119,13 +120,14 @@ pub struct Forces {
 }
 
 impl Forces {
-    /// Those of a row, on a board of that pitch, permittivity and friction; `peak_at_m` is where an electrode pulls hardest.
+    /// Forces of a row on a board of the given pitch, permittivity and friction; `peak_at_m` is the distance at which
+    /// an electrode pulls hardest.
     pub fn new(row: ForceRow, pitch_m: f64, peak_at_m: f64, permittivity: Option<f64>, friction: f64) -> Forces {
         let pull = Pull::through(row.distance_m, row.lateral_n, peak_at_m);
         Forces { row, pull, pitch_m, permittivity: permittivity.unwrap_or(row.permittivity), friction }
     }
 
-    /// The potential at which the forces are those of the row.
+    /// The potential at which the forces equal those of the row.
     pub fn needed_v(&self) -> f64 {
         self.row.potential_v * (self.row.permittivity / self.permittivity).sqrt()
     }
@@ -134,17 +136,17 @@ impl Forces {
         self.permittivity / self.row.permittivity * (potential_v / self.row.potential_v).whole_power(2)
     }
 
-    /// Along the board, at a potential.
+    /// Force along the board at a potential.
     pub fn pull(&self, potential_v: f64) -> Pull {
         Pull { peak_n: self.pull.peak_n * self.growth(potential_v), ..self.pull }
     }
 
-    /// Along the board where the part leaves its cell.
+    /// Force along the board where the part leaves its cell.
     pub fn lateral_n(&self, potential_v: f64) -> f64 {
         self.pull(potential_v).at(self.pitch_m)
     }
 
-    /// Static friction: its coefficient times the vertical force and the weight.
+    /// Static friction: the coefficient times the sum of vertical force and weight.
     pub fn friction_n(&self, potential_v: f64) -> f64 {
         self.friction * (self.row.vertical_n * self.growth(potential_v) + self.row.weight_n)
     }
@@ -154,7 +156,8 @@ impl Forces {
         self.lateral_n(potential_v) - self.friction_n(potential_v)
     }
 
-    /// The potential at which pull and friction are equal, if there is one: both grow with the same power, except for the weight.
+    /// The potential at which pull and friction are equal, if there is one: both grow with its square, except for the
+    /// weight.
     pub fn balance_v(&self) -> Option<f64> {
         let at_row_v = self.row.potential_v;
         let gain_n = self.lateral_n(at_row_v) - self.friction * self.row.vertical_n * self.growth(at_row_v);
@@ -162,7 +165,7 @@ impl Forces {
         (gain_n > 0.0 && balance_v.is_finite()).then_some(balance_v)
     }
 
-    /// The coefficient of friction at which they are equal.
+    /// The coefficient of friction at which pull and friction are equal.
     pub fn balance_friction(&self, potential_v: f64) -> f64 {
         self.lateral_n(potential_v) / (self.row.vertical_n * self.growth(potential_v) + self.row.weight_n)
     }

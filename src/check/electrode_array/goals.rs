@@ -1,4 +1,5 @@
-//! The steps of a task: which parts go where, as far as that can be judged without knowing where the parts stand by then.
+//! Judges the steps of a task: which parts go where, as far as possible without knowing where the parts stand when a
+//! step begins.
 
 use super::cells::{on_board, whole_cell};
 use super::cover::{SpacedPlaces, nearest_cell};
@@ -27,7 +28,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl Checker<'_> {
-    /// A task's body in the kind's own terms; `None` after an error.
+    /// The body of a task as an order for an electrode array; `None` after an error.
     pub fn electrode_array_order(
         &mut self,
         site: &TaskSite,
@@ -70,7 +71,7 @@ fn bystanders(parts: &Parts) -> Bystanders {
     if parts.settings.is_set("may_yield") { Bystanders::Yield } else { Bystanders::Stay }
 }
 
-/// The method and budget of a task; `None` if a method is asked for a feature that it lacks.
+/// The method and budget of a task; `None` if the method lacks a feature that the task uses.
 fn planner(
     parts: &Parts,
     objective: ElectrodeArrayObjective,
@@ -101,7 +102,7 @@ fn planner(
     Some(ElectrodeArrayPlanner { method, expansions: parts.expansions().unwrap_or(default_expansions(facts, count)) })
 }
 
-/// The features that the task asks of a published method and that it lacks, and where.
+/// The first feature that the task uses and a published method lacks, and where it is used.
 fn beyond_published(
     parts: &Parts,
     objective: ElectrodeArrayObjective,
@@ -119,7 +120,7 @@ fn beyond_published(
     assay.or_else(|| parts.steps.iter().flat_map(|step| calls(&step.action)).find_map(beyond_greed))
 }
 
-/// What a goal asks that a published method lacks, and where.
+/// The first feature that a goal uses and a published method lacks, and where it is used.
 fn beyond_greed(call: &Call) -> Option<(&'static str, Span)> {
     if verb(call) == Some(ElectrodeArrayVerb::Merge) {
         return Some(("merge", call.span));
@@ -143,7 +144,7 @@ fn verb(call: &Call) -> Option<ElectrodeArrayVerb> {
     ElectrodeArrayVerb::find(call.verb.name)
 }
 
-/// Whether a step is made of operations and not of goals.
+/// Whether a step consists of operations rather than goals.
 pub(super) fn is_assay(action: &tasks::VocabularyAction) -> bool {
     let is_operation = |call: &Call| verb(call).is_some_and(ElectrodeArrayVerb::is_operation);
     matches!(action, tasks::VocabularyAction::Assay(_)) || calls(action).iter().any(is_operation)
@@ -155,15 +156,15 @@ pub(super) struct BoardStepJudge<'a> {
     pub tray: &'a BoardScene,
     /// Where the task's scene is declared.
     pub scene: Option<Span>,
-    /// The name of the device.
+    /// Name of the device.
     pub(super) device: &'a str,
-    /// The field that sets whether the device holds its parts, if there is one.
+    /// The field that sets whether the device holds its parts, if given.
     hold: Option<Span>,
     pub sink: &'a mut Sink,
 }
 
 impl BoardStepJudge<'_> {
-    /// What droplets must contain, by the names of the scene.
+    /// Required contents of droplets, with names resolved in the scene.
     fn contents(&mut self, asked: &[ContentRequirement]) -> Option<Vec<DropletContent>> {
         let contents: Vec<Option<DropletContent>> = asked.iter().map(|asked| self.content(asked)).collect();
         contents.into_iter().collect()
@@ -199,7 +200,7 @@ impl BoardStepJudge<'_> {
         Some(ElectrodeArrayStep { action, span: step.span })
     }
 
-    /// Goals at the same time: each part has one, and they are apart.
+    /// Simultaneous goals: each part has one goal, and the goals keep the separation.
     fn moves(&mut self, calls: &[Call]) -> Option<Vec<ElectrodeArrayMove>> {
         self.nothing_after(calls)?;
         let open = calls.iter().flat_map(|call| phrases(call, "among")).next();
@@ -216,7 +217,7 @@ impl BoardStepJudge<'_> {
         Some(moves.into_iter().collect::<Option<Vec<_>>>()?.concat())
     }
 
-    /// The moves of a step, `nth` of those at the same time: one, or those of a team.
+    /// The moves of the `nth` of several simultaneous calls: one move, or those of a team.
     fn moves_of(&mut self, call: &Call, nth: usize) -> Option<Vec<ElectrodeArrayMove>> {
         match call.verb.noun {
             Some(_) => self.team(call, nth),
@@ -224,7 +225,7 @@ impl BoardStepJudge<'_> {
         }
     }
 
-    /// Operations: those of one part follow each other, and none needs a part that is gone before.
+    /// The operations of a step: those of one part follow each other, and none needs a part that is already gone.
     fn operations(&mut self, action: &tasks::VocabularyAction) -> Option<Vec<AssayOperation>> {
         let calls = calls(action);
         let operations: Vec<Option<AssayOperation>> = calls.iter().map(|call| self.operation(call)).collect();
@@ -271,7 +272,8 @@ impl BoardStepJudge<'_> {
         (self.sink.errors() == before).then_some(operations)
     }
 
-    /// Enters what each operation of an assay comes after: the last operation above of each part that its `after` names.
+    /// Resolves `after`: each operation of an assay follows the last preceding operation of each part that its `after`
+    /// names.
     fn follow(&mut self, operations: &mut [AssayOperation], calls: &[Call]) {
         // By part, its last operation so far.
         let mut last: BTreeMap<usize, usize> = BTreeMap::new();
@@ -301,7 +303,7 @@ impl BoardStepJudge<'_> {
         }
     }
 
-    /// Outside an assay nothing comes after anything but the step before.
+    /// Reports `after` and `within` outside an assay, where each step follows the one before.
     fn nothing_after(&mut self, calls: &[Call]) -> Option<()> {
         let asked = calls.iter().flat_map(|call| phrases(call, "after").chain(phrases(call, "within"))).next();
         self.sink.unless(asked.map(|asked| errors::after_outside_assay(asked.span)))
@@ -334,7 +336,7 @@ impl BoardStepJudge<'_> {
         Some(AssayOperation { stay_ns: stay_ns?, mixes, leaves, ..Self::at_one_of(passing, places) })
     }
 
-    /// A goal among operations: of a part that goes on its way, or of two that merge.
+    /// A goal among operations: one part moves on, or two merge.
     fn passing(&mut self, call: &Call) -> Option<AssayOperation> {
         if phrases(call, "among").next().is_none() {
             let ElectrodeArrayMove { part, with, stops, span, .. } = self.one_move(call)?;
@@ -348,7 +350,7 @@ impl BoardStepJudge<'_> {
         Some(Self::at_one_of(passing, places?))
     }
 
-    /// A droplet that is pulled out of another one, which goes the other way.
+    /// A split: pulls a droplet out of another, which moves in the opposite direction.
     fn split(&mut self, call: &Call, part: Option<usize>) -> Option<AssayOperation> {
         let other = phrases(call, "from").next()?;
         let from = self.part(other);
@@ -398,7 +400,7 @@ impl BoardStepJudge<'_> {
         Some(AssayOperation { splits, ..AssayOperation::passing(from, vec![place, stop], call.span) })
     }
 
-    /// A droplet that a reservoir makes at its outlet, where the electrode holds it.
+    /// A droplet that a reservoir dispenses at its outlet, where the electrode holds it.
     fn dispensed(&mut self, call: &Call, part: Option<usize>) -> Option<AssayOperation> {
         let from = phrases(call, "from").next()?;
         let (fluid, cell, stay_ns) = self.dispensing(call, from)?;
@@ -407,7 +409,8 @@ impl BoardStepJudge<'_> {
         Some(AssayOperation { stay_ns, comes: true, fluid: Some(fluid), ..passing })
     }
 
-    /// The reservoir that an argument names: its name, its outlet, and the time in which it makes a droplet.
+    /// The reservoir that an argument names: its name, its outlet, and the time in which it dispenses a droplet, in
+    /// nanoseconds.
     pub(super) fn dispensing(&mut self, call: &Call, from: &Argument) -> Option<(String, ElectrodeCell, u64)> {
         let outlet = self.tray.reservoirs.index(from, self.scene, self.tray.is_whole, self.sink);
         let wrong = if self.facts.layout.electrodes != Electrodes::Single {
@@ -429,7 +432,7 @@ impl BoardStepJudge<'_> {
         clock_ns(quantity, time.span, what, self.sink)
     }
 
-    /// What happens at the same time is one thing for each part.
+    /// Reports a part that takes part in two simultaneous operations.
     fn one_operation_each(&mut self, operations: &[AssayOperation]) {
         let mut busy: BTreeMap<usize, Span> = BTreeMap::new();
         for operation in operations {
@@ -441,7 +444,7 @@ impl BoardStepJudge<'_> {
         }
     }
 
-    /// The last stops of the parts that are left keep the separation.
+    /// Reports last stops of the remaining parts that do not keep the separation.
     fn ends_apart(&mut self, operations: &[AssayOperation], gone: &BTreeMap<usize, Departure>) {
         let apart = self.facts.separation.apart();
         let mut ends: BTreeMap<usize, ElectrodeArrayStop> = BTreeMap::new();
@@ -489,7 +492,7 @@ impl BoardStepJudge<'_> {
         Some(ElectrodeArrayMove { with, ..ElectrodeArrayMove::alone(part?, stops, call.span) })
     }
 
-    /// Droplets merge, two of them, where electrodes hold them.
+    /// Reports a merge that is impossible: only two different droplets merge, and only where electrodes hold them.
     fn may_merge(&mut self, call: &Call, part: Option<usize>, with: Option<usize>) -> Option<()> {
         let wrong = if self.facts.layout.electrodes != Electrodes::Single {
             Some(errors::parts_do_not_merge(call.span))
@@ -507,12 +510,12 @@ impl BoardStepJudge<'_> {
         self.tray.parts.get(part).map_or("", |part| part.name.as_str())
     }
 
-    /// The part that an argument names; `None` after an error.
+    /// Index of the part that an argument names; `None` after an error.
     fn part(&mut self, argument: &Argument) -> Option<usize> {
         self.tray.names.index(argument, self.scene, self.tray.is_whole, self.sink)
     }
 
-    /// A cell that a centre can take.
+    /// A cell that the centre of a part can take; `None` after an error.
     pub(super) fn stop(&mut self, target: &Argument) -> Option<ElectrodeArrayStop> {
         let Some(pair) = whole_cell(&target.value) else {
             target.unless(Some(errors::no_cell(target.span, &target.value)), self.sink);

@@ -1,4 +1,5 @@
-//! What the droplets of a board contain, from one operation to the next: exact, since volumes are only added and halved.
+//! Contents of the droplets of a board, from one operation to the next. They are exact, since volumes are only added
+//! and halved.
 
 use super::errors;
 use crate::claims::Job;
@@ -11,17 +12,17 @@ use crate::quantity::fraction;
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Relative difference of two contents that is the rounding of their fractions: `1 - 1 / 7` is 6/7.
+/// Relative tolerance for equal contents, for the rounding of fractions: `1 - 1 / 7` is 6/7.
 const SAME_CONTENT: f64 = 1e-12;
 
-/// Most fluids of a droplet that a message names.
+/// Most fluids of a droplet that a message lists.
 const SHOWN: usize = 4;
 
-/// What a droplet contains, in droplets as they are dispensed, by the names of the fluids.
+/// Contents of a droplet by fluid name, in units of one droplet as dispensed.
 #[derive(Debug, Clone, Default)]
 struct Liquid {
     amounts: BTreeMap<String, f64>,
-    /// The operation that made it what it is.
+    /// The operation that last changed the contents.
     since: Option<Span>,
 }
 
@@ -34,7 +35,7 @@ impl Liquid {
         self.amounts.values().sum()
     }
 
-    /// A figure of it, exactly.
+    /// The volume, or the share of a fluid; exact.
     fn share(&self, share: &DropletShare) -> f64 {
         match share {
             DropletShare::Volume => self.volume(),
@@ -42,7 +43,7 @@ impl Liquid {
         }
     }
 
-    /// `1/4 dye, 3/4 buffer; 2 droplets`
+    /// Text for messages, such as `1/4 dye, 3/4 buffer; 2 droplets`.
     fn text(&self) -> String {
         let volume = self.volume();
         let part = |(fluid, amount): (&String, &f64)| format!("{} {fluid}", fraction(amount / volume));
@@ -53,8 +54,9 @@ impl Liquid {
     }
 }
 
-/// Warns where merging makes a droplet so wide that it touches another one on the board across the separation, on devices that do not
-/// state the largest droplet that they carry. In a gap of one height the width grows with the square root of the volume.
+/// Warns where merging makes a droplet so wide that it touches another one on the board across the separation, on
+/// devices that do not state the largest droplet that they carry. In a gap of constant height the width grows with the
+/// square root of the volume.
 pub fn suit(jobs: &[Job], sink: &mut Sink) {
     let mut boards: BTreeMap<&str, (BoardLiquids, BTreeSet<&str>)> = BTreeMap::new();
     for job in jobs {
@@ -64,7 +66,7 @@ pub fn suit(jobs: &[Job], sink: &mut Sink) {
         present.extend((0..order.parts.len()).map(name).filter(|part| !board.liquids.contains_key(*part)));
         board.put(&order.parts);
         for change in order.steps.iter().flat_map(|step| changes(&step.action)) {
-            // What is out of the device's limits has been reported.
+            // Violations of the device's limits were already reported.
             board.change(job, order, &change);
             for part in change.gone() {
                 present.remove(name(part));
@@ -85,7 +87,7 @@ pub fn suit(jobs: &[Job], sink: &mut Sink) {
     }
 }
 
-/// What a step does to the liquid of a part.
+/// The effect of a step on the liquid of a part.
 pub struct LiquidChange<'o> {
     pub span: Span,
     part: usize,
@@ -94,7 +96,7 @@ pub struct LiquidChange<'o> {
 
 enum LiquidCause<'o> {
     Operation(&'o AssayOperation),
-    /// It merges with another part.
+    /// Merge with another part.
     Merge(usize),
 }
 
@@ -107,7 +109,7 @@ impl LiquidChange<'_> {
         }
     }
 
-    /// The parts that are no longer on the board.
+    /// The parts that leave the board by this change.
     fn gone(&self) -> impl Iterator<Item = usize> {
         let leaves = match self.cause {
             LiquidCause::Operation(operation) => operation.leaves,
@@ -117,7 +119,7 @@ impl LiquidChange<'_> {
     }
 }
 
-/// What a step does to the liquids of parts, in the order of its operations.
+/// The effects of a step on the liquids of parts, in the order of its operations.
 pub fn changes(action: &ElectrodeArrayAction) -> Vec<LiquidChange<'_>> {
     match action {
         ElectrodeArrayAction::Wait(_) => Vec::new(),
@@ -132,21 +134,21 @@ pub fn changes(action: &ElectrodeArrayAction) -> Vec<LiquidChange<'_>> {
     }
 }
 
-/// The droplets of a board, by their names; those that are gone are remembered as they were last.
+/// Liquids of the droplets of a board by name; those of gone droplets are kept in their last state.
 #[derive(Debug, Default)]
 pub struct BoardLiquids {
     liquids: BTreeMap<String, Liquid>,
 }
 
 impl BoardLiquids {
-    /// Enters what a scene puts on the board.
+    /// Adds the parts that a scene puts on the board.
     pub fn put(&mut self, parts: &[BoardPart]) {
         for part in parts.iter().filter(|part| part.cell.is_some()) {
             self.liquids.entry(part.name.clone()).or_insert_with(|| Liquid::of(&part.name));
         }
     }
 
-    /// For each part of an order the fluids that it contains before the task, if it is on the board, or was.
+    /// For each part of an order, the fluids that it contains before the task; empty if it has never been on the board.
     pub fn before(&self, order: &ElectrodeArrayOrder) -> Vec<Fluids> {
         let of_part = |part: &BoardPart| {
             let liquid = self.liquids.get(&part.name);
@@ -155,7 +157,7 @@ impl BoardLiquids {
         order.parts.iter().map(of_part).collect()
     }
 
-    /// What a change makes of the droplets; an error if one of them is too small or too large.
+    /// Applies a change; an error if a droplet becomes too small or too large.
     pub fn change(&mut self, job: &Job, order: &ElectrodeArrayOrder, change: &LiquidChange) -> Option<Diagnostic> {
         match change.cause {
             LiquidCause::Operation(operation) => self.operate(job, order, operation),
@@ -163,12 +165,12 @@ impl BoardLiquids {
         }
     }
 
-    /// In droplets as they are dispensed; 0 before it is on the board.
+    /// In units of one droplet as dispensed; 0 before the droplet is on the board.
     fn volume(&self, name: &str) -> f64 {
         self.liquids.get(name).map_or(0.0, Liquid::volume)
     }
 
-    /// Two droplets become one; the first is what it was, if the device can carry it.
+    /// Merges two droplets into the first; an error if the device cannot carry the result.
     fn merge(
         &mut self,
         job: &Job,
@@ -207,7 +209,7 @@ impl BoardLiquids {
         (volume < least).then(wrong)
     }
 
-    /// The contents that a task requires and that are others at its end, each with where the program asks for it.
+    /// Required contents that are not met at the end of a task, each with the place in the source of the requirement.
     pub fn judge(&self, order: &ElectrodeArrayOrder) -> Vec<(Span, Diagnostic)> {
         let wrong = |content: &DropletContent| {
             let name = order.parts[content.part].name.as_str();

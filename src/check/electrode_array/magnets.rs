@@ -1,4 +1,5 @@
-//! What a magnet holds: whether the bench raises one meanwhile, and whether the droplet that is split then stays over it.
+//! Droplets held by a magnet: whether the bench raises a magnet meanwhile, and whether a droplet split afterwards stays
+//! over it.
 
 use super::errors;
 use crate::claims::auxiliary::AuxiliaryAction;
@@ -8,8 +9,8 @@ use crate::device::instrument::{Bench, Drive, InstrumentFacts};
 use crate::diagnostic::Sink;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Warns of droplets that are held while all magnets that the bench switches are down, once for each magnet of a scene. `idle` are the
-/// outputs that are wired and that no step switches.
+/// Warns of droplets that are held while all magnets that the bench switches are down, once per magnet of a scene.
+/// `idle` are the wired outputs that no step switches.
 pub fn raised(claims: &Claims, idle: &[(String, Drive)], sink: &mut Sink) {
     let bench = &claims.bench;
     let own = bench.drives.iter().filter_map(|(channel, drive)| Some((channel.split('.').next()?, drive)));
@@ -40,7 +41,7 @@ pub fn raised(claims: &Claims, idle: &[(String, Drive)], sink: &mut Sink) {
     }
 }
 
-/// Whether what a drive switches is a magnet of a board's driver.
+/// Whether a drive switches a magnet of a board's driver.
 fn raises_a_magnet(bench: &Bench, drive: &Drive) -> bool {
     match bench.instruments.get(&drive.instrument).map(|instrument| &instrument.facts) {
         Some(InstrumentFacts::ElectrodeDriver(facts)) => facts.magnet_outputs().any(|magnet| magnet == drive.output),
@@ -57,7 +58,7 @@ fn raises_a_magnet(bench: &Bench, drive: &Drive) -> bool {
 fn set<'c>(up: &mut BTreeSet<&'c str>, switches: &BTreeSet<&'c str>, output: &str, action: AuxiliaryAction) {
     let Some(output) = switches.get(output) else { return };
     match action {
-        // How long a pulse lasts is not asked: whoever writes one has thought of the magnet.
+        // The length of a pulse is not checked: whoever writes one has thought of the magnet.
         AuxiliaryAction::High | AuxiliaryAction::Pulse => drop(up.insert(output)),
         AuxiliaryAction::Low => drop(up.remove(output)),
         // Graded outputs switch no magnet.
@@ -71,9 +72,9 @@ fn magnet_of<'o>(order: &'o ElectrodeArrayOrder, operation: &AssayOperation) -> 
     (zone.sort == ZoneSort::Magnet).then_some(zone)
 }
 
-/// Warns of droplets that are split right after they were held, if they leave the magnet, or their other half does not.
+/// Warns of droplets that are split right after they were held, if they leave the magnet or the other half does not.
 pub fn halves_stay(jobs: &[Job], sink: &mut Sink) {
-    // By device and part: the magnet at which it was held last, with nothing since then.
+    // By device and part: the magnet that last held it, if nothing has happened to it since.
     let mut held: BTreeMap<(&str, &str), &BoardZone> = BTreeMap::new();
     for job in jobs {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };

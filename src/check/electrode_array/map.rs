@@ -1,4 +1,4 @@
-//! The map of a board: its channels and what does not work, from the fields of the device.
+//! The electrode map of a board, from the fields of the device: its channels and its disabled electrodes.
 
 use super::cells::{on_board, whole_cell};
 use super::errors;
@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The board of a file that the device names.
+/// The board file that the device names.
 fn board_file(device: &CheckedDevice) -> Option<&BoardFile> {
     match &device.fields.get("map")?.value {
         Value::Board(board) => Some(board),
@@ -21,13 +21,15 @@ fn board_file(device: &CheckedDevice) -> Option<&BoardFile> {
     }
 }
 
-/// Whether a field stands in the file in which the board is named: one of a base elsewhere gives way to the board.
+/// Whether a field stands in the file that names the board; one inherited from a base in another file gives way to the
+/// board.
 fn stands_beside_map(name: &str, device: &CheckedDevice) -> bool {
     let file = |name: &str| device.fields.get(name).map(|field| field.span.file);
     file(name).is_some() && file(name) == file("map")
 }
 
-/// Columns and rows: those of the file that the device names, else its own; `None` after an error.
+/// Columns and rows, from the board file if there is one, otherwise from the device's own fields; `None` after an
+/// error.
 pub fn sides(device: &CheckedDevice, sink: &mut Sink) -> Option<[u32; 2]> {
     let given = |name: &str| device.fields.count(name);
     let Some(board) = board_file(device) else { return Some([given("columns")?, given("rows")?]) };
@@ -42,7 +44,7 @@ pub fn sides(device: &CheckedDevice, sink: &mut Sink) -> Option<[u32; 2]> {
     Some([board.columns, board.rows])
 }
 
-/// The numbers of the file that the device names; `None` after an error.
+/// The channel numbers of the board file; `None` after an error.
 fn numbers(board: &BoardFile, device: &CheckedDevice, sink: &mut Sink) -> Option<Vec<Option<u32>>> {
     if stands_beside_map("channels", device) {
         let labels = [DeviceLabel::field("map", "here"), DeviceLabel::field("channels", "and here")];
@@ -56,7 +58,7 @@ fn numbers(board: &BoardFile, device: &CheckedDevice, sink: &mut Sink) -> Option
     Some(board.channels.clone())
 }
 
-/// The map of a device with fields for one; `facts` are its facts without it. `None` after an error.
+/// The map of a device that has fields for one; `facts` are its facts without it. `None` after an error.
 pub fn of(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) -> Option<Option<Arc<ElectrodeMap>>> {
     let list = |name: &str| match device.fields.get(name).map(|field| &field.value) {
         Some(Value::List(list)) => Some(Rc::clone(list)),
@@ -89,7 +91,8 @@ pub fn of(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) 
     Some((board.is_some() || rows.is_some() || !map.disabled.is_empty()).then(|| Arc::new(map)))
 }
 
-/// Shared channels are for droplets, since a pair of electrodes moves a micropart, and for so many electrodes.
+/// Checks shared channels: they are for droplets only, since a pair of electrodes moves a micropart, and for at most
+/// `MAX_SHARING` electrodes of a board.
 fn sharing(facts: &ElectrodeArrayFacts, map: &ElectrodeMap, device: &CheckedDevice, sink: &mut Sink) -> Option<()> {
     let field = if board_file(device).is_some() { "map" } else { "channels" };
     let shared = || map.by_channel().into_iter().filter(|(_, cells)| cells.len() > 1);
@@ -109,7 +112,7 @@ fn sharing(facts: &ElectrodeArrayFacts, map: &ElectrodeMap, device: &CheckedDevi
     Some(())
 }
 
-/// The number at each place, from row 1.
+/// Channel number of each cell, row by row from row 1.
 fn channels(
     facts: &ElectrodeArrayFacts,
     rows: &ListValue,
@@ -149,7 +152,7 @@ fn channels(
     Some(numbers)
 }
 
-/// The electrodes that do not work, in order.
+/// The disabled electrodes, in order.
 fn dead(
     facts: &ElectrodeArrayFacts,
     map: &ElectrodeMap,

@@ -1,4 +1,4 @@
-//! Is this electrode array possible, is this scene possible for it, are these goals?
+//! Checks of an electrode array: is the device feasible, does the scene fit it, and can the goals be met?
 
 mod among;
 mod board;
@@ -33,10 +33,10 @@ use crate::quantity::Quantity;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-/// Greatest default of the limit of expanded states.
+/// Largest default limit of expanded states.
 const MOST_BY_DEFAULT: u64 = 64_000_000;
 
-/// Default limit of expanded states in the search of one step: 16 million, and 2 more for each part and cell, at
+/// Default limit of expanded states in the search of one step: 16 million, plus 2 for each pair of part and cell, at
 /// most 64 million.
 pub fn default_expansions(facts: &ElectrodeArrayFacts, parts: usize) -> u64 {
     let cells = u64::from(facts.columns) * u64::from(facts.rows);
@@ -89,12 +89,12 @@ impl CheckedFacts for Rc<ElectrodeArrayFacts> {
     }
 }
 
-/// The electrodes that give the numbered channels of a board their names.
+/// The first electrode of each numbered channel of a board; it gives the channel its name.
 fn first_of_channels(map: &ElectrodeMap) -> BTreeSet<ElectrodeCell> {
     map.by_channel().values().filter_map(|cells| cells.first().copied()).collect()
 }
 
-/// The checks of the kind.
+/// The checks of electrode arrays.
 pub struct ElectrodeArrayChecks;
 
 pub const CHECKS: ElectrodeArrayChecks = ElectrodeArrayChecks;

@@ -1,4 +1,4 @@
-//! Whether the forces move a part of this device, and whether its steps are long enough.
+//! Whether the forces of a device move its parts, and whether its steps are long enough.
 
 use super::errors;
 use super::forces::{Forces, RadiusTable};
@@ -12,14 +12,14 @@ use crate::diagnostic::Sink;
 use crate::quantity::{Dimension, Quantity, no_less, no_more, significant};
 use crate::real::Real;
 
-/// Relative rounding error allowed in the comparison with a limit.
+/// Relative rounding error allowed in comparisons with a limit.
 const SLACK: f64 = 1e-9;
 
 /// Checks radius, gap, potential and step of a device against its own limits and forces.
 pub fn check(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     gap(device, sink);
     let forces = forces(facts, device, sink);
-    // How soon a part comes to rest depends on the potential, which is to be another one.
+    // Settling time depends on the potential; if that was reported as wrong, the step cannot be judged.
     if potential(facts, forces.as_ref(), device, sink) || device.fields.contains_key("settling") {
         step(facts, forces.as_ref(), device, sink);
     }
@@ -29,7 +29,7 @@ fn si(device: &CheckedDevice, name: &str) -> Option<f64> {
     device.fields.si(name)
 }
 
-/// Whether neighbouring electrodes lie as far apart as they may.
+/// Checks the gap between neighbouring electrodes against the limits of the pitch ratio.
 fn gap(device: &CheckedDevice, sink: &mut Sink) {
     let Some(ratio) = si(device, "pitch_ratio") else { return };
     let least = si(device, "least_pitch_ratio").filter(|least| ratio < least * (1.0 - SLACK));
@@ -41,7 +41,7 @@ fn gap(device: &CheckedDevice, sink: &mut Sink) {
     sink.push(device.labelled(errors::gap_out_of_limits(ratio, limit, bounds), labels));
 }
 
-/// The forces on a part of this device; `None` where it has no table of them, or none for its radius.
+/// The forces on a part of this device; `None` if it has no force table, or none that covers its radius.
 fn forces(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) -> Option<Forces> {
     let table = match RadiusTable::of(&device.fields)? {
         Ok(table) => table,
@@ -64,7 +64,8 @@ fn forces(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) 
     Some(Forces::new(row, facts.pitch_um() / 1e6, peak_at_m, si(device, "permittivity"), friction))
 }
 
-/// Whether the potential moves a part: it must reach the measured least potential or the table's, and overcome friction.
+/// Whether the potential moves a part: it must reach the measured least potential or the table's, and overcome
+/// friction.
 fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDevice, sink: &mut Sink) -> bool {
     let potential_v = facts.potential_v;
     let measured_v = si(device, "least_potential");
@@ -109,7 +110,7 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
     false
 }
 
-/// Whether a part comes to rest within a step.
+/// Checks that a part comes to rest within a step.
 fn step(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDevice, sink: &mut Sink) {
     let step = device.fields.quantity("step_duration");
     let settling_s = match si(device, "settling") {
@@ -146,7 +147,7 @@ fn step(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDe
     }
 }
 
-/// A part in motion; `None` after an error.
+/// The model of a moving part; `None` after an error.
 fn glide(facts: &ElectrodeArrayFacts, forces: &Forces, device: &CheckedDevice, sink: &mut Sink) -> Option<Glide> {
     if forces.net_n(facts.potential_v) <= 0.0 {
         return None;
@@ -157,7 +158,7 @@ fn glide(facts: &ElectrodeArrayFacts, forces: &Forces, device: &CheckedDevice, s
     let width_m = 2.0 * facts.layout.half_width_pitches * pitch_m;
     let mass_kg =
         si(device, "mass").or(si(device, "density").map(|density| density * width_m.whole_power(2) * thickness_m));
-    // Section 3.2: the viscosity times the square between the part's electrodes, over half an electrode radius.
+    // Section 3.2: viscosity times the area of the square between the part's electrodes, over half an electrode radius.
     let square_m = match facts.layout.electrodes {
         Electrodes::Quad => 2.0 * pitch_m,
         Electrodes::Single => width_m,
@@ -189,7 +190,7 @@ fn time(s: f64) -> String {
     Quantity::new(significant(s, 4), Dimension::TIME).to_string()
 }
 
-/// A force for a message; of four digits, one more than those of the table.
+/// A force for a message, with four digits: one more than in the table.
 fn force(n: f64) -> String {
     Quantity::new(significant(n, 4), Dimension::FORCE).to_string()
 }

@@ -1,8 +1,8 @@
-//! Where the parts of each board stand when a step begins: goals are fixed, so all of that is known before planning, but for who of a
-//! team is at which of its goals.
+//! Positions of the parts of each board when a step begins. Goals are fixed, so all positions are known before
+//! planning, except which member of a team stands on which of its goals.
 //!
-//! The runs of a schedule are walked in their order. A step is wrong if it needs a part that has merged away, or sends one too
-//! near to a part that stays where it is, or that comes back there.
+//! The runs of a schedule are walked in order. A step is wrong if it needs a part that has merged away, or if it sends
+//! a part too near to one that stays where it is or returns there.
 
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::errors;
@@ -21,15 +21,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The parts of a board before a task, by the index of its order, as far as that is known before planning.
+/// The parts of a board before a task, by part index of its order, as far as known before planning.
 pub struct BoardBefore {
-    /// What each contains.
+    /// Fluids that each part contains.
     pub fluids: Vec<Fluids>,
-    /// Where each stands, and where the program says so; none of one that is not there, or of which the plan decides.
+    /// Cell of each part, with the place in the program that put it there; `None` if the part is not on the board or
+    /// the plan chooses its cell.
     pub stands: Vec<Option<(ElectrodeCell, Span)>>,
 }
 
-/// Where parts stand between the tasks of a schedule: by the index of each job of the kind, its board before it.
+/// Checks positions between the tasks of a schedule; returns for each electrode-array job its index and its board
+/// before it.
 pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, BoardBefore)> {
     let mut before = Vec::new();
     let mut boards: BTreeMap<&str, BoardWalk> = BTreeMap::new();
@@ -68,7 +70,7 @@ pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, BoardBefore)> 
 /// State of the walk through the runs of a schedule.
 struct PartsWalk {
     reported: BTreeSet<Finding>,
-    /// By the list of obstacles that is painted.
+    /// Painted obstacles, by the address of the obstacle list.
     covers: BTreeMap<*const Vec<ElectrodeArrayObstacle>, Rc<ObstacleCells>>,
 }
 
@@ -79,7 +81,7 @@ impl PartsWalk {
     }
 }
 
-/// Identity of a finding, however often a task runs: a place in the source and a cell.
+/// Key under which a finding is reported once, however often its task runs: a place in the source and a cell.
 type Finding = (Span, Option<ElectrodeCell>);
 
 /// A part that only one of two scenes has.
@@ -89,16 +91,16 @@ fn odd_part<'p>(before: &'p [BoardPart], now: &'p [BoardPart]) -> Option<&'p str
     now.symmetric_difference(&before).next().copied()
 }
 
-/// Where a part is.
+/// Position of a part.
 #[derive(Debug, Clone, Copy)]
 enum PartStand {
-    /// There, since it was put or sent there.
+    /// On this cell since the program put or sent it there.
     At(ElectrodeCell, Span),
-    /// On one of the cells to which a step has sent its team, or of which the plan chooses, but not known on which.
+    /// On one of the goals of its team, or of the cells among which the plan chooses; which one is not known.
     Somewhere(Span),
-    /// No reservoir has dispensed it yet.
+    /// Not yet dispensed.
     Due,
-    /// It has merged with another, or left the board.
+    /// Merged with another part, or left the board.
     Gone(Departure),
 }
 
@@ -113,12 +115,12 @@ struct BoardWalk {
     parts: Arc<Vec<BoardPart>>,
     /// Obstacles of the scene of the last run; all parts are clear of them.
     obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
-    /// One for each part.
+    /// By part.
     stands: Vec<PartStand>,
     liquids: BoardLiquids,
-    /// The parts that are still there, by index.
+    /// The parts on known cells, by index.
     spread: SpacedPlaces<usize>,
-    /// Parts that stand on the cells of each other, for all that is known: the goals of their team.
+    /// Teams whose members may stand on each other's cells: each entry has the parts on the goals of one team.
     teams: Vec<BTreeSet<usize>>,
 }
 
@@ -134,7 +136,7 @@ impl BoardWalk {
         board
     }
 
-    /// As it is before a task.
+    /// The board as known before a task.
     fn before(&self, order: &ElectrodeArrayOrder) -> BoardBefore {
         let known = |stand: &PartStand| match *stand {
             PartStand::At(cell, since) => Some((cell, since)),
@@ -143,13 +145,13 @@ impl BoardWalk {
         BoardBefore { fluids: self.liquids.before(order), stands: self.stands.iter().map(known).collect() }
     }
 
-    /// What a message calls the part on a cell: one of a team by the name before its index.
+    /// Name of a part in messages; for a member of a team, the name before its index.
     fn name_of(&self, part: usize) -> &str {
         let is_loose = self.teams.iter().any(|team| team.contains(&part));
         self.parts[part].family().filter(|_| is_loose).unwrap_or(&self.parts[part].name)
     }
 
-    /// The parts that some moves take from their cells; who is left of a team stands where that is not known.
+    /// Takes the moved parts off their cells; the cells of the other members of their teams are then unknown.
     fn set_out(&mut self, moves: &[ElectrodeArrayMove]) {
         let moved: BTreeSet<usize> = moves.iter().flat_map(ElectrodeArrayMove::parts).collect();
         let mut lost: Vec<usize> = Vec::new();
@@ -185,7 +187,7 @@ impl BoardWalk {
         }
     }
 
-    /// Takes over the order of another scene with parts of the same names.
+    /// Takes over the part order of another scene with parts of the same names.
     fn reorder(&mut self, parts: &Arc<Vec<BoardPart>>) {
         let index: BTreeMap<&str, usize> =
             self.parts.iter().enumerate().map(|(index, part)| (part.name.as_str(), index)).collect();
@@ -203,7 +205,7 @@ impl BoardWalk {
         (0..self.stands.len()).for_each(|part| self.enter(part));
     }
 
-    /// Obstacles that the parts are too near to when a scene with other obstacles comes.
+    /// Reports parts that stand too near to an obstacle when a scene with other obstacles begins.
     fn stands_clear(&self, job: &Job, order: &ElectrodeArrayOrder, walk: &mut PartsWalk) -> Vec<Diagnostic> {
         let cover = walk.cover(order);
         let mut found = Vec::new();
@@ -220,8 +222,8 @@ impl BoardWalk {
         found
     }
 
-    /// Checks a step, and moves its parts to their goals; findings are reported once. In an assay, those that go `on` do not come to rest at
-    /// their last stop.
+    /// Checks a step and moves its parts to their goals; each finding is reported once. In an assay, the parts in `on`
+    /// do not come to rest at their last stop.
     fn advance(
         &mut self,
         moves: &[ElectrodeArrayMove],
@@ -234,7 +236,7 @@ impl BoardWalk {
         for step in moves {
             let stops = match order.bystanders {
                 Bystanders::Stay => step.stops.as_slice(),
-                // They step aside, and are back when the step ends.
+                // Bystanders step aside, and are back when the step ends.
                 Bystanders::Yield if on.is_some_and(|on| on.contains(&step.part)) => &[],
                 Bystanders::Yield => std::slice::from_ref(step.goal()),
             };
@@ -260,7 +262,7 @@ impl BoardWalk {
         found
     }
 
-    /// What a step makes of the droplets that it merges and splits; findings are reported once.
+    /// Applies the merges and splits of a step to the liquids; each finding is reported once.
     fn fill(
         &mut self,
         job: &Job,
@@ -274,7 +276,7 @@ impl BoardWalk {
         found.into_iter().filter(|(span, _)| walk.reported.insert((*span, None))).map(|(_, wrong)| wrong).collect()
     }
 
-    /// Checks an assay as the moves of its parts to all their stops, and moves them to the last ones.
+    /// Checks an assay as moves of its parts to all their stops, and moves the parts to their last ones.
     fn operate(
         &mut self,
         operations: &[AssayOperation],
@@ -321,7 +323,7 @@ impl BoardWalk {
                 one.stops.push(ElectrodeArrayStop { cell, span, origin: None });
             }
         }
-        // Of who stays where that is not known, nothing can be judged.
+        // Nothing can be judged about a part that stays on an unknown cell.
         moves.retain(|one| !one.stops.is_empty());
         found.extend(self.loops(operations, order, walk));
         self.lead(led.into_iter().map(|part| (part, chosen[&part])));
@@ -342,7 +344,7 @@ impl BoardWalk {
         found
     }
 
-    /// Parts go where the plan chooses, each since an operation.
+    /// Marks parts as standing where the plan chooses, each since an operation.
     fn lead(&mut self, parts: impl IntoIterator<Item = (usize, Span)>) {
         for (part, since) in parts {
             self.leave(part);
@@ -350,7 +352,7 @@ impl BoardWalk {
         }
     }
 
-    /// A part that stays where it is has no other near it at the end.
+    /// Reports a part at rest if another part is too near to it at the end.
     fn rests_apart(&mut self, part: usize, order: &ElectrodeArrayOrder, walk: &mut PartsWalk) -> Option<Diagnostic> {
         let PartStand::At(cell, since) = self.stands[part] else { return None };
         self.leave(part);
@@ -367,14 +369,15 @@ impl BoardWalk {
         Some(errors::near_standing_part(moved, stays, order.facts.separation.apart(), free, true))
     }
 
-    /// The loops in which droplets are mixed are on the board, and clear of obstacles and of the parts that stay where they are.
+    /// Reports mixing loops that leave the board, or lie too near to an obstacle or to a part that stays.
     fn loops(
         &self,
         operations: &[AssayOperation],
         order: &ElectrodeArrayOrder,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
-        // Where operations have left their parts; what comes stands where it does already.
+        // Cell of each part after its operations so far, `None` where the plan chooses; `stands` has the parts that are
+        // not in the map.
         let mut here: BTreeMap<usize, Option<ElectrodeCell>> = BTreeMap::new();
         let mut found = Vec::new();
         for operation in operations {
@@ -417,7 +420,7 @@ impl BoardWalk {
         found
     }
 
-    /// A part that stays too near to a loop.
+    /// Diagnostic for a part that stays too near to a mixing loop.
     fn loop_near_part(
         &self,
         name: &str,
@@ -438,7 +441,7 @@ impl BoardWalk {
         Some(errors::loop_near_part(name, span, corner, other, order.facts.separation.apart()))
     }
 
-    /// A droplet is dispensed, or given off by another, once.
+    /// Puts a dispensed or split-off droplet on the board; an error if it was there before.
     fn comes(&mut self, operation: &AssayOperation, reported: &mut BTreeSet<Finding>) -> Option<Diagnostic> {
         let (part, cell) = operation.new_part()?;
         let name = &self.parts[part].name;
@@ -453,7 +456,7 @@ impl BoardWalk {
         reported.insert((operation.span, None)).then_some(wrong)
     }
 
-    /// Parts that are gone, or that are not there yet.
+    /// Reports moves of parts that are gone or not there yet.
     fn not_there(&self, moves: &[ElectrodeArrayMove], reported: &mut BTreeSet<Finding>) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         for step in moves {
@@ -488,7 +491,7 @@ impl BoardWalk {
         })
     }
 
-    /// A stop too near to a part that stays; `free` is the nearest cell that is not.
+    /// Diagnostic for a stop too near to a part that stays; `free` is the nearest cell that is not.
     fn too_near(
         &self,
         step: &ElectrodeArrayMove,
@@ -508,7 +511,7 @@ impl BoardWalk {
     }
 }
 
-/// A loop that leaves the board, or in which an obstacle lies.
+/// Diagnostic for a mixing loop that leaves the board or that an obstacle covers.
 fn blocked_loop(
     name: &str,
     span: Span,

@@ -1,4 +1,4 @@
-//! The reservoirs of a board: their outlets, and the frames in which they make droplets.
+//! The reservoirs of a board: their outlets, and the frames that dispense droplets.
 
 use super::cells::{on_board, whole_cell};
 use super::errors;
@@ -15,10 +15,10 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// The fields that say it all, and only together.
+/// The fields that describe the reservoirs; all or none must be given.
 const FIELDS: [&str; 3] = ["outlets", "dispense_frames", "dispense_frame_duration"];
 
-/// The pads of a device with fields for them; `facts` are its facts without them. `None` after an error.
+/// The reservoir pads of a device that has fields for them; `facts` are its facts without them. `None` after an error.
 pub fn of(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) -> Option<Option<Arc<ReservoirPads>>> {
     let (given, missing): (Vec<&str>, Vec<&str>) = FIELDS.iter().partition(|name| device.fields.contains_key(**name));
     if given.iter().any(|name| device.fields.get(*name).is_some_and(|field| field.value.is_unknown())) {
@@ -49,17 +49,17 @@ pub fn of(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) 
     let sequences: Option<Vec<DispenseSequence>> =
         both.map(|(outlet, frames)| reader.sequence(outlet, frames)).collect();
     let sequences = sequences?;
-    // A frame begins and ends with a step of the board, as all that is switched on it.
+    // A frame begins and ends with a step of the board, like everything that is switched on it.
     let frame_ns = frame_ns.div_ceil(facts.step_ns).checked_mul(facts.step_ns)?;
     Some(Some(Arc::new(ReservoirPads { frame_ns, sequences })))
 }
 
-/// Reads sequences, one reservoir after the other.
+/// Reads the sequences, one reservoir after the other.
 struct PadReader<'a> {
     facts: &'a ElectrodeArrayFacts,
     device: &'a CheckedDevice,
     sink: &'a mut Sink,
-    /// The outlet that each pad belongs to, with a place where it is named.
+    /// The outlet that each pad belongs to, with a place in the source that names the pad.
     owners: BTreeMap<u32, (ElectrodeCell, Span)>,
 }
 

@@ -1,4 +1,4 @@
-//! Parts that are heated, read or held: in which zone, and where there.
+//! Parts that are heated, read or held: in which zone, and at which cell.
 
 use super::cover::nearest_cell;
 use super::errors;
@@ -11,7 +11,7 @@ use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop, ZoneSor
 use crate::quantity::Quantity;
 
 impl BoardStepJudge<'_> {
-    /// A part stays in a zone of a sort.
+    /// The stay of a part in a zone of a sort.
     pub(super) fn in_zone(&mut self, call: &Call, part: Option<usize>, sort: ZoneSort) -> Option<AssayOperation> {
         let places = self.places(call, Some(sort))?;
         let temperature = match phrases(call, "to").next() {
@@ -25,7 +25,7 @@ impl BoardStepJudge<'_> {
         Some(AssayOperation { stay_ns, zone, ..Self::at_one_of(passing, places) })
     }
 
-    /// The zone that an argument names, with its middle; or the one of a sort at a cell.
+    /// The zone that an argument names, with its middle; or the zone of the sort at a cell.
     pub(super) fn zone_stop(&mut self, target: &Argument, sort: ZoneSort) -> Option<(usize, ElectrodeArrayStop)> {
         if let Value::Object(_) = &target.value {
             let found = self.tray.sites.index(target, self.scene, self.tray.is_whole, self.sink)?;
@@ -44,7 +44,7 @@ impl BoardStepJudge<'_> {
         }
         let cover = &self.tray.cover;
         let is_one = |cell| of_sort().any(|(_, zone)| zone.holds(cell)) && cover.covering(cell).is_none();
-        // The zone that is meant may be one that is wrong itself.
+        // The intended zone may be one that is faulty itself.
         if !self.tray.sites.has_faulty() {
             let near = nearest_cell(stop.cell, self.facts, is_one);
             target.unless(Some(errors::no_zone_here(target.span, stop.cell, sort, near)), self.sink)?;
@@ -52,7 +52,7 @@ impl BoardStepJudge<'_> {
         None
     }
 
-    /// A temperature that the heaters of the device reach.
+    /// A temperature that the heaters of the device reach; `None` after an error.
     fn temperature_k(&mut self, asked: &Argument) -> Option<f64> {
         let Value::Quantity(temperature) = asked.value else { return None };
         let beyond = |field: &'static str, limit_k: Option<f64>, is_beyond: fn(f64, f64) -> bool| {

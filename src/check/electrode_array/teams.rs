@@ -10,7 +10,7 @@ use crate::device::electrode_array::MAX_TEAM;
 use std::collections::BTreeSet;
 
 impl BoardStepJudge<'_> {
-    /// The moves of a team, `nth` of what begins at the same time: its parts to its goals, both in the order of writing.
+    /// The moves of a team, the `nth` of several simultaneous calls: its parts to its goals, both in source order.
     pub fn team(&mut self, call: &Call, nth: usize) -> Option<Vec<ElectrodeArrayMove>> {
         let object = call.object.as_ref()?;
         let Value::Object(ObjectName { name, .. }) = &object.value else { return None };
@@ -19,7 +19,7 @@ impl BoardStepJudge<'_> {
         if parts.is_empty() {
             let families: BTreeSet<&str> = self.tray.parts.iter().filter_map(|part| part.family()).collect();
             let wrong = errors::no_team(object.span, name, &families, self.scene);
-            // A scene that was cut for its size says so alone.
+            // A scene that was cut for its size has already reported this.
             self.sink.unless(self.tray.is_whole.then_some(wrong))?;
             return None;
         }
@@ -47,7 +47,8 @@ impl BoardStepJudge<'_> {
         Some(moves.map(one).collect())
     }
 
-    /// What a message calls the part of a move: of a team the name before the index, since which part it will be is not known.
+    /// Name of the part of a move in messages; in a team the name before the index, since which part will come there is
+    /// not known.
     pub fn mover(&self, one: &ElectrodeArrayMove) -> &str {
         let family = one.team.and_then(|_| self.tray.parts.get(one.part)?.family());
         family.unwrap_or(self.name(one.part))

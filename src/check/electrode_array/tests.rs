@@ -1,5 +1,5 @@
-//! Each check just inside and just outside, the settling against the paper, the cover against asking every obstacle, and how fast
-//! large scenes are checked.
+//! Tests: each check just inside and just outside its limit, settling times against the paper, the painted cover
+//! against a test of every obstacle, and the speed of checks on large scenes.
 
 use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::motion::{Glide, Pull};
@@ -113,7 +113,7 @@ fn radius_gap_and_potential_keep_their_limits() {
     device("radius: 22.5 um, potential: 74.9 V", &["E0411"]);
     device(&format!("radius: 47.5 um, potential: 112.5 V, {slow}"), &[]);
     device(&format!("radius: 47.5 um, potential: 112.4 V, {slow}"), &["E0411"]);
-    // Half the permittivity takes the square root of 2 of the potential.
+    // Half of the permittivity needs √2 times the potential.
     device("permittivity: 4, potential: 141.43 V", &[]);
     device("permittivity: 4, potential: 141.41 V", &["E0411"]);
     // 0.747 uN against 0.406 uN and 0.111 uN: 1.4449.
@@ -437,7 +437,7 @@ fn board(columns: u32, rows: u32) -> ElectrodeArrayFacts {
     ElectrodeArrayFacts { step_ns: 3_000_000, ..microparts(columns, rows) }
 }
 
-/// Numbers below the one asked with.
+/// Random numbers below a bound.
 fn numbers() -> impl FnMut(u32) -> u32 {
     let mut stream = SplitMix64::new(12_345);
     move |most| stream.below(most as usize) as u32

@@ -1,4 +1,4 @@
-//! Which traces a task avoids, and operations that could not but leave them.
+//! The traces that a task avoids, and operations that would leave them in any plan.
 
 use super::errors;
 use super::goals::{BoardStepJudge, is_assay, phrases};
@@ -19,7 +19,7 @@ use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl BoardStepJudge<'_> {
-    /// The traces that a task avoids, by the conditions that stand before its steps.
+    /// The traces that a task avoids, from the conditions before its steps.
     pub fn contamination(&mut self, conditions: &[Call], steps: &[VocabularyStep]) -> Option<Contamination> {
         let mut contamination = Contamination::default();
         let mut is_whole = true;
@@ -37,7 +37,7 @@ impl BoardStepJudge<'_> {
                         contamination.avoided.push(trace);
                     }
                 }
-                // A fluid does no harm to itself, which spares a list of fluids its exceptions.
+                // A fluid does no harm to itself, so a list of fluids needs no exceptions.
                 [Some(_), Some(_)] => {}
                 [Some(wash)] if !contamination.washes.contains(wash) => contamination.washes.push(wash.clone()),
                 _ => is_whole &= fluids.iter().all(Option::is_some),
@@ -65,7 +65,7 @@ impl BoardStepJudge<'_> {
         is_whole.then_some(contamination)
     }
 
-    /// Where wash droplets come from that come by themselves, and where they leave.
+    /// The course of automatic wash droplets: their reservoir and their exit.
     fn wash_course(&mut self, call: &Call, exit: &Argument) -> Option<WashCourse> {
         let from = phrases(call, "with").next()?;
         let exit = self.stop(exit);
@@ -76,7 +76,7 @@ impl BoardStepJudge<'_> {
         Some(WashCourse { fluid, outlet, dispense_ns, exit: exit?, span: call.span })
     }
 
-    /// A task that avoids traces has one assay, and only what moves nothing besides.
+    /// Reports a task that avoids traces but does not consist of one assay and of steps that move nothing.
     fn in_one_assay(&mut self, conditions: &[Call], steps: &[VocabularyStep]) -> Option<()> {
         let Some(avoids) = conditions.iter().find(|call| call.object.is_some()) else {
             let idle = conditions.first().map(|call| errors::washes_nothing(call.span));
@@ -101,8 +101,8 @@ impl BoardStepJudge<'_> {
     }
 }
 
-/// Enters what the parts of each order contain before it, by the indices of the jobs, and reports operations at one place that harm each
-/// other.
+/// Enters the fluids of the parts before each order, by job index, and reports operations at one place that contaminate
+/// each other in any plan.
 pub fn agree(jobs: &mut [Job], before: Vec<(usize, BoardBefore)>, sink: &mut Sink) {
     let (mut reported, mut warned) = (BTreeSet::new(), BTreeSet::new());
     for (nth, board) in before {
@@ -127,7 +127,7 @@ pub fn agree(jobs: &mut [Job], before: Vec<(usize, BoardBefore)>, sink: &mut Sin
     }
 }
 
-/// The last of the earlier tasks of a device that has led a fluid over the board whose traces an order avoids, and what it avoids.
+/// The last earlier task of a device that moved a fluid whose traces an order avoids, and the trace.
 fn soiled_before<'a>(
     earlier: &'a [Job],
     device: &str,
@@ -143,7 +143,7 @@ fn soiled_before<'a>(
     })
 }
 
-/// A part that comes to a cell, as it is there.
+/// A droplet at a cell, with its fluids at that time.
 struct PlacedDroplet {
     part: usize,
     fluids: Fluids,
@@ -151,18 +151,18 @@ struct PlacedDroplet {
     span: Span,
 }
 
-/// Where the program says that droplets are, whatever the plan.
+/// Droplet positions that the program fixes, whatever the plan.
 struct PlacedDroplets {
-    /// From the beginning on.
+    /// Before the first operation.
     starts: Vec<PlacedDroplet>,
-    /// In operations, in their order.
+    /// At the stops of operations, in order.
     stops: Vec<PlacedDroplet>,
-    /// Of the parts that are on the board at the end.
+    /// At the end, of the parts that are still on the board.
     ends: Vec<PlacedDroplet>,
 }
 
 impl PlacedDroplets {
-    /// Those of an assay; `stands` has where each part is before it.
+    /// The positions in an assay; `stands` has the cell of each part before it.
     fn of(
         order: &ElectrodeArrayOrder,
         operations: &[AssayOperation],
@@ -181,7 +181,7 @@ impl PlacedDroplets {
             operation.begin_fluids(&mut fluids);
             operation.end_fluids(&mut fluids);
             let (part, span) = (operation.part, operation.span);
-            // Where the plan chooses, it may keep them apart.
+            // Where the plan chooses the place, it may keep the droplets apart.
             let stops: &[ElectrodeArrayStop] = if operation.among.is_empty() { &operation.stops } else { &[] };
             let here =
                 |stop: &ElectrodeArrayStop| PlacedDroplet { part, fluids: fluids[part].clone(), cell: stop.cell, span };
@@ -202,7 +202,8 @@ impl PlacedDroplets {
     }
 }
 
-/// Droplets of which one comes where another has left, or leaves later, what harms it, whatever the plan, where nothing is washed.
+/// The first stop at which contamination is certain in any plan: the droplet there is harmed by, or harms, another one
+/// that starts, stops or ends there. `None` for orders with washes.
 fn harmed_at_one_place(
     order: &ElectrodeArrayOrder,
     stands: &[Option<(ElectrodeCell, Span)>],
@@ -247,7 +248,7 @@ fn harmed_at_one_place(
     })
 }
 
-/// Droplets by the column and the row of their cells.
+/// Droplets by column and row of their cells.
 type DropletsByCell<'a> = BTreeMap<(u32, u32), Vec<&'a PlacedDroplet>>;
 
 fn place(droplet: &PlacedDroplet) -> (u32, u32) {

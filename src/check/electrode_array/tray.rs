@@ -1,4 +1,4 @@
-//! A scene as one board meets it: obstacles and parts.
+//! A scene as seen by one board: obstacles, parts, reservoirs and zones.
 
 use super::board;
 use super::cells::{on_board, whole_cell};
@@ -28,38 +28,38 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// A scene as one device meets it.
+/// A scene as seen by one device.
 pub struct BoardScene {
     pub obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
     pub parts: Arc<Vec<BoardPart>>,
     pub names: ObjectNames,
-    /// The outlets of its reservoirs.
+    /// Outlets of the reservoirs.
     pub outlets: Vec<Outlet>,
-    /// The reservoirs by name, as indices of `outlets`.
+    /// Reservoirs by name, as indices into `outlets`.
     pub reservoirs: ObjectNames,
     pub zones: Arc<Vec<BoardZone>>,
-    /// The zones by name, as indices of `zones`.
+    /// Zones by name, as indices into `zones`.
     pub sites: ObjectNames,
     pub cover: ObstacleCells,
-    /// Whether none of its objects is impossible.
+    /// Whether all objects of the scene are valid.
     pub is_whole: bool,
 }
 
 impl BoardScene {
-    /// The names of all that droplets can contain: reservoirs, and the parts that the scene puts on the board.
+    /// Names of all fluids that droplets can contain: reservoirs, and the parts that the scene puts on the board.
     pub fn fluids(&self) -> BTreeSet<&str> {
         let placed = self.parts.iter().filter(|part| part.cell.is_some()).map(|part| part.name.as_str());
         self.outlets.iter().map(|outlet| outlet.name.as_str()).chain(placed).collect()
     }
 
-    /// Whether something is wrong with the reservoir or the part of this name, which was reported.
+    /// Whether the reservoir or part of this name is faulty, which was already reported.
     pub fn is_faulty_fluid(&self, name: &str) -> bool {
         self.names.is_faulty(name) || self.reservoirs.is_faulty(name)
     }
 }
 
 impl Checker<'_> {
-    /// The scene of a task for its device, judged once.
+    /// The scene of a task for its device; judged once.
     pub fn tray(&mut self, site: &TaskSite, facts: &ElectrodeArrayFacts) -> Rc<BoardScene> {
         self.scene_met(site, |checker, scene| match scene {
             Some(scene) => judged_scene(scene, &site.device, facts, checker.sink),
@@ -86,14 +86,14 @@ fn judged_scene(
     judged(&scene.objects, device, facts, sink)
 }
 
-/// Where a reservoir dispenses.
+/// The cell where a reservoir dispenses.
 pub struct Outlet {
     pub name: String,
     pub cell: ElectrodeCell,
     pub span: Span,
 }
 
-/// A part that was read, and where its cell was given, if it has one.
+/// A part that was read, with the argument of its cell if it has one.
 struct StandingPart {
     part: BoardPart,
     at: Option<Argument>,
@@ -179,7 +179,7 @@ struct TrayReader<'a> {
 }
 
 impl TrayReader<'_> {
-    /// A part; without a place it is a droplet that a reservoir or another droplet makes.
+    /// A part; one without a place is a droplet that is dispensed or split off later.
     fn part(&mut self, may_come: bool) -> Option<StandingPart> {
         let shape = self.object.shape.as_ref();
         let is_carried = shape.is_none_or(|shape| self.is_carried(shape));
@@ -194,7 +194,7 @@ impl TrayReader<'_> {
         is_carried.then_some(StandingPart { part, at: Some(at) })
     }
 
-    /// The outlet of a reservoir, on an electrode of its own.
+    /// The outlet of a reservoir, on an electrode that no other outlet has.
     fn outlet(&mut self, others: &[Outlet]) -> Option<Outlet> {
         let at = self.place()?;
         let cell = self.reached(&at)?;
@@ -221,7 +221,7 @@ impl TrayReader<'_> {
         Some(Outlet { name: self.object.name.clone(), cell, span })
     }
 
-    /// The cell at a place that the centre of a part can take.
+    /// The cell at a place, if the centre of a part can take it; `None` after an error.
     fn reached(&mut self, at: &Argument) -> Option<ElectrodeCell> {
         let cell = self.cell(at)?;
         if self.facts.reaches(cell) {
@@ -234,7 +234,7 @@ impl TrayReader<'_> {
         None
     }
 
-    /// Whether a part is of the layout that the device carries.
+    /// Whether a part has the layout that the device carries.
     fn is_carried(&mut self, shape: &Spanned<ShapeValue>) -> bool {
         let object = self.object;
         if shape.value.form != ShapeForm::Layout {
@@ -261,7 +261,7 @@ impl TrayReader<'_> {
         is_own
     }
 
-    /// The value after `at`.
+    /// The argument of `at`.
     fn place(&mut self) -> Option<Argument> {
         let object = self.object;
         match &object.at {
@@ -273,7 +273,7 @@ impl TrayReader<'_> {
         }
     }
 
-    /// The whole cell of a place, possibly off the board.
+    /// The whole-number cell of a place, possibly off the board.
     fn whole_cell(&mut self, at: &Argument) -> Option<[i64; 2]> {
         let cell = whole_cell(&at.value);
         if cell.is_none() {
@@ -282,7 +282,7 @@ impl TrayReader<'_> {
         cell
     }
 
-    /// The cell of the board at a place.
+    /// The cell of the board at a place; `None` after an error.
     fn cell(&mut self, at: &Argument) -> Option<ElectrodeCell> {
         let pair = self.whole_cell(at)?;
         let cell = on_board(pair, self.facts);
@@ -294,7 +294,7 @@ impl TrayReader<'_> {
         cell
     }
 
-    /// The electrodes of a heater, a detector or a magnet, apart from those of others of its sort.
+    /// The electrodes of a heater, detector or magnet, disjoint from others of its sort.
     fn zone(&mut self, sort: ZoneSort, before: &[BoardZone]) -> Option<BoardZone> {
         let (name, span) = (self.object.name.clone(), self.object.span);
         let (from, to) = match &self.object.shape {
@@ -369,7 +369,7 @@ impl TrayReader<'_> {
     }
 }
 
-/// Parts start clear of obstacles and of each other.
+/// Reports parts that start too near to obstacles or to each other.
 fn starts(
     standing: &[StandingPart],
     obstacles: &[ElectrodeArrayObstacle],
@@ -402,14 +402,14 @@ fn starts(
     }
 }
 
-/// A start or a goal, by its code, that an obstacle keeps parts from.
+/// A start or goal that an obstacle keeps parts from, with the code of the diagnostic.
 pub struct BlockedCell {
     pub code: Code,
     pub cell: ElectrodeCell,
     pub span: Span,
 }
 
-/// Diagnostic for a cell that is too near to an obstacle.
+/// Diagnostic for a cell too near to an obstacle.
 pub fn on_obstacle(
     place: &BlockedCell,
     obstacle: &ElectrodeArrayObstacle,

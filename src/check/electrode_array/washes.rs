@@ -1,9 +1,9 @@
-//! Wash droplets that come by themselves, as `wash with water to (16, 2)` asks: before each droplet that comes to a place where an earlier
-//! one, in the order of the program, has left what does it harm.
+//! Automatic wash droplets, as `wash with water to (16, 2)` requests: one before each droplet that comes to a place
+//! where an earlier droplet, in program order, has left a fluid that harms it.
 //!
-//! A place is where a droplet stays from one operation on until its next one elsewhere. Each wash is dispensed, goes over the electrodes of
-//! the place that are soiled once those are done there that have soiled them, and leaves; the operation that comes there next is after it.
-//! From then on these are operations like any others.
+//! A place is where a droplet stays from one operation until its next one elsewhere. Each wash droplet is dispensed,
+//! passes over the soiled electrodes of the place once the operations that soiled them are done, and leaves; the next
+//! operation there waits for it. Washes then are operations like any others.
 
 use super::errors;
 use super::places::BoardBefore;
@@ -17,12 +17,13 @@ use crate::diagnostic::Sink;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// The name of every wash droplet, before its number.
+/// Name of wash droplets, before the number.
 const NAME: &str = "wash";
 
-/// Enters the wash droplets that tasks ask for into their orders; whether there are any. `before` has the board before each job.
+/// Enters the wash droplets that tasks request into their orders; returns whether there are any. `before` has the board
+/// before each job.
 pub fn enter(jobs: &mut [Job], before: &[(usize, BoardBefore)], sink: &mut Sink) -> bool {
-    // By device, the droplets of all its tasks.
+    // By device, the wash droplets of all its tasks.
     let mut droplets: BTreeMap<String, Vec<BoardPart>> = BTreeMap::new();
     for (nth, board) in before {
         let Job { device, order: Order::ElectrodeArray(order), .. } = &mut jobs[*nth] else { continue };
@@ -33,7 +34,7 @@ pub fn enter(jobs: &mut [Job], before: &[(usize, BoardBefore)], sink: &mut Sink)
         }
     }
     droplets.retain(|_, own| !own.is_empty());
-    // Tasks of one scene go on sharing their parts.
+    // Tasks of one scene keep sharing their list of parts.
     let mut extended: BTreeMap<*const Vec<BoardPart>, Arc<Vec<BoardPart>>> = BTreeMap::new();
     for job in jobs.iter_mut() {
         let (Some(own), Order::ElectrodeArray(order)) = (droplets.get(&job.device), &mut job.order) else { continue };
@@ -76,7 +77,7 @@ fn enter_in_order(
     Some(())
 }
 
-/// What wash droplets are called, before their numbers: what no part is called.
+/// Name of wash droplets before the number, chosen so that it clashes with no part.
 fn name_apart(parts: &[BoardPart]) -> String {
     let is_taken = |stem: &str| {
         let numbered =
@@ -90,20 +91,20 @@ fn name_apart(parts: &[BoardPart]) -> String {
     stem
 }
 
-/// A droplet at a place.
+/// The stay of a droplet at a place.
 struct PlaceVisit {
     part: usize,
-    /// The first and the last of its operations there; none of a droplet that stands there and does nothing yet.
+    /// Its first and last operation there; `None` for a droplet that stands there without an operation yet.
     operations: Option<[usize; 2]>,
-    /// The electrodes on which it is.
+    /// The electrodes that it covers.
     cells: BTreeSet<ElectrodeCell>,
-    /// All that it contains by the end.
+    /// The fluids that it contains at the end of the visit.
     fluids: Fluids,
 }
 
-/// The places to which droplets come, whatever the plan, in the order of the program; those of which the plan chooses are not known. A droplet
-/// that goes on at its place after another one has come there was elsewhere meanwhile, and comes there again; so it does where it goes on to
-/// more electrodes, as with a mixing loop. So all operations of a visit stand above those of the next one on its electrodes.
+/// The visits of droplets to places that the program fixes, in program order; places that the plan chooses are left
+/// out. A new visit begins if another droplet came to the place meanwhile, or if the droplet goes on to more
+/// electrodes, as in a mixing loop. So all operations of a visit precede those of the next visit to its electrodes.
 fn visits(operations: &[AssayOperation], facts: &ElectrodeArrayFacts, before: &BoardBefore) -> Vec<PlaceVisit> {
     let mut walk = VisitWalk { visits: Vec::new(), at: BTreeMap::new() };
     let mut fluids = before.fluids.clone();
@@ -116,7 +117,7 @@ fn visits(operations: &[AssayOperation], facts: &ElectrodeArrayFacts, before: &B
         operation.begin_fluids(&mut fluids);
         operation.end_fluids(&mut fluids);
         let part = operation.part;
-        // Where the plan chooses, or on the way elsewhere and back.
+        // The place is unknown where the plan chooses it, and left where the droplet moves elsewhere and back.
         if !operation.among.is_empty() || operation.stops.iter().any(|stop| Some(stop.cell) != walk.cell(part)) {
             walk.at.remove(&part);
         }
@@ -138,17 +139,17 @@ fn visits(operations: &[AssayOperation], facts: &ElectrodeArrayFacts, before: &B
 /// The visits so far.
 struct VisitWalk {
     visits: Vec<PlaceVisit>,
-    /// By part, where it is, and its visit there, as long as no other part has come onto an electrode of it.
+    /// By part, its cell, and its visit there as long as no other part has come onto an electrode of that visit.
     at: BTreeMap<usize, (ElectrodeCell, Option<usize>)>,
 }
 
 impl VisitWalk {
-    /// Where a part is, if that is known.
+    /// The cell of a part, if known.
     fn cell(&self, part: usize) -> Option<ElectrodeCell> {
         self.at.get(&part).map(|(cell, _)| *cell)
     }
 
-    /// A part comes to a cell, or goes on there, and is on these electrodes meanwhile.
+    /// Enters that a part comes to a cell, or goes on there, and covers these electrodes meanwhile.
     fn come(
         &mut self,
         part: usize,
@@ -175,14 +176,14 @@ impl VisitWalk {
     }
 }
 
-/// A wash before an operation.
+/// A wash, inserted before operation `before`.
 struct PlannedWash {
     before: usize,
-    /// The electrodes over which it goes, each with the operations that are done there by then.
+    /// The electrodes to wash in order, each with the operations that must be done there first.
     over: Vec<(ElectrodeCell, BTreeSet<usize>)>,
 }
 
-/// The washes that droplets need which come to places one after the other.
+/// The washes needed between successive visits.
 fn washes(visits: &[PlaceVisit], contamination: &Contamination, outlet: ElectrodeCell) -> Vec<PlannedWash> {
     let mut washes = Vec::new();
     let mut left: BTreeMap<ElectrodeCell, Vec<&PlaceVisit>> = BTreeMap::new();
@@ -213,7 +214,7 @@ fn washes(visits: &[PlaceVisit], contamination: &Contamination, outlet: Electrod
     washes
 }
 
-/// Cells in an order in which each is the nearest one to that before.
+/// The cells in nearest-neighbour order, beginning with the one nearest to `from`.
 fn nearest_first(
     mut cells: BTreeMap<ElectrodeCell, BTreeSet<usize>>,
     from: ElectrodeCell,
@@ -228,7 +229,8 @@ fn nearest_first(
     ordered
 }
 
-/// The operations with those of the washes among them, each before the one that needs it; the first wash is the part `first`, and so on.
+/// The operations with the washes inserted, each before the operation that needs it; wash `n`, from 0, is the part
+/// `first + n`.
 fn with_washes(
     operations: Vec<AssayOperation>,
     washes: &[PlannedWash],
@@ -236,7 +238,7 @@ fn with_washes(
     first: usize,
 ) -> Vec<AssayOperation> {
     let mut all: Vec<AssayOperation> = Vec::new();
-    // By their old places.
+    // New indices of the operations, by their old ones.
     let mut moved: Vec<usize> = Vec::new();
     let mut washes = washes.iter().zip(first..).peekable();
     for (place, mut operation) in operations.into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Heaters, detectors and magnets: which electrodes they have, and how warm they are.
+//! Heaters, detectors and magnets: their electrodes and temperatures.
 
 use super::errors;
 use crate::claims::Job;
@@ -10,7 +10,7 @@ use crate::quantity::{Dimension, Quantity};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is wrong with a zone beside those before it.
+/// Diagnostic for a zone that overlaps an earlier one of its sort, or for a detector longer than the separation.
 pub fn misplaced(zone: &BoardZone, before: &[BoardZone], facts: &ElectrodeArrayFacts) -> Option<Diagnostic> {
     let low = |other: &BoardZone| {
         ElectrodeCell::new(zone.from.column.max(other.from.column), zone.from.row.max(other.from.row))
@@ -27,7 +27,7 @@ pub fn misplaced(zone: &BoardZone, before: &[BoardZone], facts: &ElectrodeArrayF
     has_room.then(|| errors::detector_too_large(zone, sides, apart))
 }
 
-/// Reports heaters that are to have two temperatures in one schedule.
+/// Reports heaters that need two temperatures in one schedule.
 pub fn agree(jobs: &[Job], sink: &mut Sink) {
     let mut temperatures: BTreeMap<(&str, &str), (f64, Span)> = BTreeMap::new();
     for Heating { device, heater, asked_k, span } in heatings(jobs) {
@@ -39,7 +39,8 @@ pub fn agree(jobs: &[Job], sink: &mut Sink) {
     }
 }
 
-/// Warns, once for each heater of the scene, of a temperature to which no heater of the board's driver is set, where the bench sets one.
+/// Warns, once per heater of the scene, of a temperature that no heater of the board's driver is set to, where the
+/// bench sets one.
 pub fn suit(jobs: &[Job], bench: &Bench, sink: &mut Sink) {
     let drivers = bench.instruments.iter().filter_map(|(name, instrument)| match &instrument.facts {
         InstrumentFacts::ElectrodeDriver(facts) => Some((name.as_str(), facts)),

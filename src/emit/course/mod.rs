@@ -1,7 +1,7 @@
-//! What the devices of a verified schedule do over time: the common ground of all formats that draw it.
+//! The motion of the devices of a verified schedule over time: the common base of all formats that draw it.
 //!
-//! Input: a [`Verified`] schedule and the name of a device. Output: the places of what moves, at the instants of its states and
-//! between them, and what stands around. Nothing is drawn here.
+//! Input: a [`Verified`] schedule and the name of a device. Output: the places of what moves, at the instants of its
+//! states and between them, and the surroundings. Nothing is drawn here.
 
 use crate::claims::Job;
 use crate::schedule::PlanRecord;

@@ -9,10 +9,10 @@ use crate::schedule::{PlanRecord, State, TimedState};
 use crate::verify::Verified;
 use std::collections::BTreeSet;
 
-/// Part of a cell that a blocked one fills, so that neighbours are seen apart from cells.
+/// Share of a cell that a blocked cell fills, so that neighbouring blocked cells can be told apart.
 const CELL_PART: f64 = 0.8;
 
-/// Where the end-effector is in a state.
+/// Position of the end-effector in a state.
 pub fn place(state: &TimedState) -> [f64; 3] {
     match &state.state {
         State::Dimibot(DimibotState { position_um: [x, y], .. }) => [*x, *y, 0.0],
@@ -22,8 +22,8 @@ pub fn place(state: &TimedState) -> [f64; 3] {
     }
 }
 
-/// The end-effector of a device over time: each new place at the instant of its state, and the old one at the start of the
-/// pulse that leads there. Before its first task it stands where that begins.
+/// Poses of the end-effector of a device over time: each new pose at the instant of its state, and the old one at the
+/// start of the pulse that leads there. Before its first task it stands where that begins.
 pub fn poses(verified: &Verified, signals: &Signals, device: &str) -> Vec<(u64, [f64; 3])> {
     let channels = &signals.schedule.channels;
     let of_device = |channel: u32| channels.get(channel as usize).is_some_and(|channel| channel.device == device);
@@ -79,7 +79,7 @@ pub fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a DimibotOrder, 
     jobs.filter_map(|(job, plan)| Some((DimibotOrder::of(&job.order)?, plan))).collect()
 }
 
-/// The scenery of a device, with the instant from which it holds; the first holds from the beginning.
+/// The sceneries of a device, each with the instant from which it holds; the first holds from the beginning.
 pub fn sceneries<'a>(verified: &'a Verified, device: &str) -> Vec<(u64, &'a DimibotOrder)> {
     let mut sceneries: Vec<(u64, &DimibotOrder)> = Vec::new();
     for (order, plan) in jobs(verified, device) {

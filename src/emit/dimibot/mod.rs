@@ -1,4 +1,4 @@
-//! DiMiBots in what is written: what they do over time, and how logs and pictures show it.
+//! Output of DiMiBots: their motion over time, and its form in logs and pictures.
 
 pub mod course;
 pub mod mcap;

@@ -17,19 +17,19 @@ use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{PlanRecord, State};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Least distance of lattice points on paper; of a finer lattice only every second, fourth ... is drawn.
+/// Least distance of lattice points on paper; of a finer lattice only every second, fourth, … is drawn.
 const LATTICE_PT: f64 = 3.0;
 
-/// Greatest number of stops that are marked.
+/// Greatest number of marked stops.
 const MAX_STOPS: usize = 200;
 
-/// Widest square of a module.
+/// Greatest width of the square of a module.
 const MODULE_PT: f64 = 9.0;
 
-/// Narrowest square of a module with a digit in it.
+/// Least width of the square of a module with a digit in it.
 const DIGIT_PT: f64 = 6.5;
 
-/// One robot with all that it does.
+/// A robot with its motion.
 struct LatticeRobot<'a> {
     device: &'a str,
     jobs: Vec<(&'a DimibotOrder, &'a PlanRecord)>,
@@ -66,7 +66,7 @@ impl Pictured for DimibotOrder {
     }
 }
 
-/// The devices that share a scene with one, that one among them, in the order of their first jobs.
+/// The devices that share a scene with the subject, itself included, in the order of their first jobs.
 fn company(subject: Subject<'_>) -> Vec<&str> {
     let claims = subject.verified.claims();
     let Some(scene) = claims.shared.iter().find(|scene| scene.frames.contains_key(subject.device)) else {
@@ -81,7 +81,7 @@ fn company(subject: Subject<'_>) -> Vec<&str> {
     devices
 }
 
-/// The instants of all states, with those at which a tip is at a stop.
+/// The instants of all states, and those at which a tip is at a stop.
 fn strobes(robots: &[LatticeRobot]) -> Strobes {
     let (mut all, mut stopped) = (BTreeSet::new(), BTreeSet::new());
     for (order, plan) in robots.iter().flat_map(|robot| &robot.jobs) {
@@ -104,22 +104,22 @@ impl LatticeRobot<'_> {
         self.jobs.first().map(|(order, _)| *order)
     }
 
-    /// ` of left`, where it needs to be said.
+    /// ` of left` if several robots share the panel, else nothing.
     fn of(&self) -> String {
         if self.has_company { format!(" of {}", self.device) } else { String::new() }
     }
 
-    /// A place of its own frame in the scene.
+    /// A position in its own frame, converted to the scene.
     fn in_scene(&self, own_um: [f64; 2]) -> [f64; 2] {
         self.order().map_or(own_um, |order| order.in_scene_um(own_um))
     }
 
-    /// The tip in its own frame; within a pulse on its way from one place to the next.
+    /// The tip in its own frame, interpolated within a pulse.
     fn tip_um(&self, t_ns: u64) -> Option<[f64; 2]> {
         scenery::between(&self.poses, t_ns, |[x, y, _]| [*x, *y])
     }
 
-    /// The places of its states until an instant or from it on, in the scene.
+    /// The path over the states whose instants `is_meant` accepts, in the scene.
     fn way(&self, is_meant: impl Fn(u64) -> bool) -> Vec<[f64; 2]> {
         let states = self.jobs.iter().flat_map(|(_, plan)| &plan.states).filter(|timed| is_meant(timed.t_ns));
         let places = states.map(|timed| {
@@ -214,7 +214,7 @@ fn draw_lattice(robot: &LatticeRobot, view: &PaperView, to: &mut Drawing, key: &
 }
 
 fn draw_obstacles(robots: &[LatticeRobot], view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
-    // Obstacles of a shared scene are every robot's: each is drawn once, with the largest growth.
+    // Robots share the obstacles of their scene: each is drawn once, with the largest growth.
     let mut obstacles: BTreeMap<&str, Vec<(&DimibotObstacle, &DimibotOrder)>> = BTreeMap::new();
     let mut growth_um: f64 = 0.0;
     for (order, _) in robots.iter().flat_map(|robot| &robot.jobs) {
@@ -261,7 +261,7 @@ fn draw_obstacles(robots: &[LatticeRobot], view: &PaperView, to: &mut Drawing, k
     }
 }
 
-/// Rings about the stops, with their cells.
+/// Draws rings around the stops, with their cells.
 fn draw_stops(
     robot: &LatticeRobot,
     named: &BTreeMap<[u32; 2], String>,
@@ -322,7 +322,7 @@ fn draw_strobes(robot: &LatticeRobot, strobes: &Strobes, view: &PaperView, to: &
     key.add(KeyForm::Disc, ink, format!("tip{}, numbered", robot.of()));
 }
 
-/// What a drawn tip stands for, in the robot's own frame as in the schedule.
+/// Facts of a drawn tip, in the robot's own frame as in the schedule.
 fn facts<'f>(robot: &LatticeRobot, place: &StrobedPlace) -> Vec<(&'f str, String)> {
     let [x, y] = place.place;
     let mut facts = vec![("device", robot.device.to_owned()), ("t-ns", place.instants())];
@@ -355,7 +355,7 @@ fn draw_moment(robot: &LatticeRobot, t_ns: u64, view: &PaperView, to: &mut Drawi
     key.add(KeyForm::Box, Ink::filled(color::LIT).edged(color::SOFT, HAIR_PT), "module that is being switched");
 }
 
-/// The modules as squares, the top one first: full at 1; at an instant those that are being switched are lit.
+/// Draws the modules as squares, the top one first, filled at 1; at an instant those being switched are highlighted.
 fn draw_modules(robot: &LatticeRobot, panel: &LatticePanel, room: PaperBox, to: &mut Drawing) {
     let Some(order) = robot.order() else { return };
     let facts = &order.facts;
@@ -398,7 +398,7 @@ fn draw_modules(robot: &LatticeRobot, panel: &LatticePanel, room: PaperBox, to: 
     }
 }
 
-/// The modules of a device that are being switched at an instant: `bl3`.
+/// The modules of a device that are being switched at an instant, such as `bl3`.
 fn pulsed(subject: Subject, device: &str, t_ns: u64) -> BTreeSet<String> {
     let channels = subject.signals.schedule.channels.iter().enumerate().filter(|(_, channel)| channel.device == device);
     let on = channels.filter(|(index, _)| subject.signals.value(*index, t_ns) != 0.0);

@@ -15,7 +15,7 @@ use crate::verify::Verified;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Part of an electrode's square that an obstacle on it fills.
+/// Share of an electrode's square that an obstacle on it fills.
 const OBSTACLE_PART: f64 = 0.9;
 
 /// The middle of an electrode in a picture.
@@ -23,22 +23,23 @@ pub fn place(cell: ElectrodeCell) -> [f64; 2] {
     [f64::from(cell.column) - 1.0, f64::from(cell.row) - 1.0]
 }
 
-/// Where the parts of a board are, from an instant on.
+/// The cells of the parts of a board, from an instant on.
 pub struct PartsMoment {
     pub t_ns: u64,
     pub parts: BTreeMap<String, ElectrodeCell>,
-    /// Where those have come to that are gone from that instant on.
+    /// Last cell of each part that is gone from that instant on.
     pub gone: BTreeMap<String, ElectrodeCell>,
 }
 
 impl PartsMoment {
-    /// Where a part is, or has come to.
+    /// The cell of a part, or its last cell if it is gone.
     pub fn cell(&self, part: &str) -> Option<ElectrodeCell> {
         self.parts.get(part).or(self.gone.get(part)).copied()
     }
 }
 
-/// The orders of a board's runs with their plans, in order of time: operations take place where the plan has chosen.
+/// The orders of a board's runs with their plans, in order of time; operations are at the places that the plan has
+/// chosen.
 pub fn runs<'a>(verified: &'a Verified, device: &str) -> Vec<(Cow<'a, ElectrodeArrayOrder>, &'a PlanRecord)> {
     let schedule = verified.schedule();
     let placed = |(job, plan): (&'a Job, &'a PlanRecord)| {
@@ -69,7 +70,7 @@ pub fn at_chosen_places<'o, 's>(
     placed
 }
 
-/// Where parts merge with others, or leave the board, after which they are gone.
+/// The cells where parts merge with others or leave the board.
 fn departures(order: &ElectrodeArrayOrder) -> BTreeMap<&str, ElectrodeCell> {
     let of_step = |step: &ElectrodeArrayStep| -> Vec<(usize, Option<ElectrodeCell>)> {
         let last = |stops: &[ElectrodeArrayStop]| stops.last().map(|stop| stop.cell);
@@ -87,8 +88,8 @@ fn departures(order: &ElectrodeArrayOrder) -> BTreeMap<&str, ElectrodeCell> {
     order.steps.iter().flat_map(of_step).filter_map(named).collect()
 }
 
-/// Every place of every part: the states of all plans, and before each step of the board the old places once more, so that a
-/// part that rests between steps is not drawn as if it crept.
+/// Every position of every part: the states of all plans, and before each step of the board the old positions once
+/// more, so that a part that rests between steps is not drawn as if it crept.
 pub fn moments(verified: &Verified, device: &str) -> Vec<PartsMoment> {
     let mut moments: Vec<PartsMoment> = Vec::new();
     for (order, plan) in runs(verified, device) {
@@ -139,7 +140,8 @@ pub fn zone_body(zone: &BoardZone) -> [[f64; 2]; 2] {
     [low.map(|value| value - 0.5), high.map(|value| value + 0.5)]
 }
 
-/// The goals of every step of a task: the part's index, if one part in particular goes there, and the cell.
+/// The goals of every step of a task: the part's index, or `None` if any of several parts may take the goal, and the
+/// cell.
 pub fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (Option<usize>, ElectrodeCell)> + '_ {
     let stops = |part: Option<usize>, stops: &[ElectrodeArrayStop]| -> Vec<(Option<usize>, ElectrodeCell)> {
         stops.iter().map(|stop| (part, stop.cell)).collect()

@@ -1,4 +1,5 @@
-//! Droplets that a person puts onto a board, since no reservoir of it is wired: when and where each is due.
+//! Droplets that a person puts onto a board, since none of its reservoirs is wired: the time and place at which each is
+//! due.
 
 use crate::claims::Claims;
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
@@ -6,8 +7,9 @@ use crate::verify::Verified;
 use serde_json::json;
 use std::collections::BTreeSet;
 
-/// The droplets that come onto boards without pads, each with the instant from which on the electrode at its outlet is on: when the step
-/// begins in which it comes, or when the board has been as it was before. Halves that a split makes come from no reservoir.
+/// The droplets that come onto boards without pads, each with the instant from which the electrode at its outlet is on:
+/// the start of the step in which it comes, or the previous state of the board, whichever is later. Halves of a split
+/// come from no reservoir and are left out.
 pub fn dispensed(verified: &Verified) -> Vec<serde_json::Value> {
     let (schedule, halves) = (verified.schedule(), halves(verified.claims()));
     let mut found: Vec<(u64, &str, [u32; 2])> = Vec::new();
@@ -36,7 +38,7 @@ pub fn dispensed(verified: &Verified) -> Vec<serde_json::Value> {
         .collect()
 }
 
-/// The devices and names of the droplets that others give off.
+/// Devices and names of the droplets that are split off others.
 fn halves(claims: &Claims) -> BTreeSet<(&str, &str)> {
     let orders = claims.jobs.iter().filter_map(|job| Some((job.device.as_str(), ElectrodeArrayOrder::of(&job.order)?)));
     let halves = orders.flat_map(|(device, order)| {

@@ -1,12 +1,14 @@
 //! Files for MicroDrop 1.9, which drives DropBot and OpenDrop: the protocol and the device of each driver.
 //!
-//! `<name>.<driver>.microdrop.json` has a step for each frame: the electrodes that are on, and for how many seconds. A DropBot also
-//! takes voltage and frequency of each step. `prompt` becomes the message of the step after it: MicroDrop shows it before that step
-//! and keeps the electrodes of the step before on. Where a schedule begins or ends with a prompt, a step of 0 s stands on its free side.
+//! `<name>.<driver>.microdrop.json` has a step for each frame: the electrodes that are on, and the duration in seconds.
+//! For a DropBot each step also has voltage and frequency. A `prompt` becomes the message of the step after it:
+//! MicroDrop shows it before that step and keeps the electrodes of the previous step on. Where a schedule begins or
+//! ends with a prompt, a step of 0 s stands before or after it.
 //!
-//! `<name>.<driver>.microdrop.svg` is the device: a path for each electrode that is wired to the driver, named by the number of its
-//! channel, with another number where it shares it, and a line for each pair of neighbours. Pads of reservoirs, whose places a device does not have, stand in a row below the board and are
-//! neighbours of none. Its unit is the pixel of 96 to the inch; sizes are those of the board.
+//! `<name>.<driver>.microdrop.svg` is the device: a path for each electrode that is wired to the driver, named by the
+//! number of its channel (with a suffix if it shares the channel), and a line for each pair of neighbours. Reservoir
+//! pads, whose places a device does not have, stand in a row below the board without neighbours. Its unit is the pixel
+//! of 96 to the inch; sizes are those of the board.
 
 use super::super::error::{EmitError, MAX_TEXT_BYTES};
 use super::super::frames::FramedBoard;
@@ -22,17 +24,17 @@ use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-/// Version of the form of the file.
+/// Version of the file format.
 const SCHEMA_VERSION: u32 = 1;
 
-/// Where MicroDrop's columns are declared.
+/// Python modules that declare MicroDrop's columns.
 const BUILT_IN: &str = "pluggable_protocol_tree.builtins";
 const OF_DROPBOT: &str = "dropbot_protocol_controls.protocol_columns";
 
-/// Pixels in a micrometre, at 96 to the inch.
+/// Pixels per micrometre, at 96 to the inch.
 const PX_PER_UM: f64 = 96.0 / 25_400.0;
 
-/// Hexadecimal digits in the name of a step that is its own.
+/// Hexadecimal digits in the unique id of a step.
 const UUID_DIGITS: usize = 32;
 
 /// Estimated bytes of a step without its electrodes, and of an electrode.
@@ -42,7 +44,8 @@ const ELECTRODE_BYTES: u64 = 15;
 /// The files, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::OtherProtocol`], [`EmitError::Ramp`], [`EmitError::Unsayable`], [`EmitError::TooLarge`].
+/// [`EmitError::NotWired`], [`EmitError::OtherProtocol`], [`EmitError::Ramp`], [`EmitError::Unsayable`],
+/// [`EmitError::TooLarge`].
 pub fn write(verified: &Verified) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let schedule = verified.schedule();
     let mut files = Vec::new();
@@ -61,12 +64,12 @@ pub fn write(verified: &Verified) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     if files.is_empty() { Err(none()) } else { Ok(files) }
 }
 
-/// A board of electrodes that a driver switches, all or some of them.
+/// A board, as far as a driver switches its electrodes.
 struct WiredChip<'a> {
     facts: &'a ElectrodeArrayFacts,
-    /// The number of the channel of each electrode that is wired to the driver.
+    /// Channel number of each electrode that is wired to the driver.
     numbers: BTreeMap<ElectrodeCell, u32>,
-    /// The channels of the pads of its reservoirs.
+    /// Channels of its reservoir pads.
     pads: BTreeSet<u32>,
 }
 
@@ -76,7 +79,7 @@ impl WiredChip<'_> {
         self.numbers.values().chain(&self.pads).copied()
     }
 
-    /// The electrodes, each with the name that it has in the files.
+    /// The electrodes with their channel numbers and their names in the files.
     fn named(&self) -> impl Iterator<Item = (ElectrodeCell, u32, String)> {
         let mut cells: Vec<(ElectrodeCell, u32)> = self.numbers.iter().map(|(cell, number)| (*cell, *number)).collect();
         cells.sort_by_key(|(cell, number)| (*number, cell.row, cell.column));
@@ -88,14 +91,14 @@ impl WiredChip<'_> {
         })
     }
 
-    /// Columns and rows that it takes in the picture: pads stand in the second row below the board.
+    /// Columns and rows that it takes in the picture; pads stand in the second row below the board.
     fn size(&self) -> [u32; 2] {
         let (columns, rows) = (self.facts.columns, self.facts.rows);
         if self.pads.is_empty() { [columns, rows] } else { [columns.max(self.pads.len() as u32), rows + 2] }
     }
 }
 
-/// The boards behind a driver, by the names of their devices.
+/// The boards behind a driver, by device name.
 fn chips<'a>(
     wired: &WiredInstrument,
     schedule: &Schedule,
@@ -148,11 +151,11 @@ struct ProtocolStep<'a> {
     start_ns: u64,
     duration_ns: u64,
     on: &'a BTreeSet<u32>,
-    /// What the person at the bench is asked before it; empty for nothing.
+    /// Prompt for the person at the bench before the step; empty for none.
     prompt: String,
 }
 
-/// The steps, from the start of the schedule to its end without the waits.
+/// The steps from the start of the schedule to its end, without the waits.
 fn steps<'a>(board: &'a FramedBoard, schedule: &Schedule) -> Vec<ProtocolStep<'a>> {
     let mut steps = Vec::new();
     let mut from_ns = 0;
@@ -169,7 +172,7 @@ fn steps<'a>(board: &'a FramedBoard, schedule: &Schedule) -> Vec<ProtocolStep<'a
     steps
 }
 
-/// The steps between two instants, the first of them behind a prompt if there is one.
+/// The steps between two instants; the first one takes the prompt, if there is one.
 fn stretch<'a>(
     board: &'a FramedBoard,
     [from_ns, to_ns]: [u64; 2],
@@ -178,7 +181,7 @@ fn stretch<'a>(
 ) {
     let frames = || board.frames.iter();
     if from_ns == to_ns {
-        // Only a wait begins or ends here: what is on meanwhile, for no time.
+        // Nothing lies between two waits: a step of 0 s has the electrodes that are on meanwhile.
         let here = frames().find(|frame| frame.end_ns > from_ns).or(board.frames.last());
         steps.extend(here.map(|frame| ProtocolStep {
             start_ns: from_ns,
@@ -194,7 +197,7 @@ fn stretch<'a>(
     }
 }
 
-/// A column of the protocol: its id, and where its class is.
+/// A column of the protocol: its id, and the module and name of its class.
 type ColumnClass = (&'static str, (&'static str, &'static str));
 
 /// The protocol as MicroDrop loads it.
@@ -234,7 +237,7 @@ fn protocol(board: &FramedBoard, chips: &[WiredChip], verified: &Verified) -> Re
     Ok(document(&columns, chips, rows.collect()))
 }
 
-/// The text of the file, a line for each step.
+/// The text of the file, with a line per step.
 fn document(columns: &[ColumnClass], chips: &[WiredChip], rows: Vec<Value>) -> String {
     let names = names_by_channel(chips).into_iter();
     let channels: BTreeMap<String, u32> =
@@ -249,7 +252,7 @@ fn document(columns: &[ColumnClass], chips: &[WiredChip], rows: Vec<Value>) -> S
     text + &lines.join(",\n") + "\n  ]\n}\n"
 }
 
-/// What the list of steps shows: a number, and the droplets that are due at an outlet.
+/// Names of the steps in MicroDrop's list: a number, and the droplets that are due at an outlet.
 fn step_names(steps: &[ProtocolStep], dispensed: &[Value]) -> Vec<String> {
     let mut names: Vec<String> = (1..=steps.len()).map(|number| format!("Step {number}")).collect();
     for due in dispensed {
@@ -263,13 +266,13 @@ fn step_names(steps: &[ProtocolStep], dispensed: &[Value]) -> Vec<String> {
     names
 }
 
-/// The name of a step that no other has, always the same for the same program.
+/// A unique id of a step, always the same for the same program.
 fn own_name(board: &FramedBoard, schedule: &Schedule, number: usize) -> String {
     let text = format!("{}\n{}\n{}\n{number}", schedule.source.sha256, schedule.name, board.wired.name);
     sha256(&text).chars().take(UUID_DIGITS).collect()
 }
 
-/// A setting of a step, which is a whole number.
+/// A setting of a step as a whole number.
 fn whole(value: f64, unit: &str) -> Result<u64, EmitError> {
     if value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value) {
         return Ok(value as u64);
@@ -290,7 +293,7 @@ fn device(chips: &[WiredChip]) -> String {
             let [right, down] = steps.map(|steps| (f64::from(steps) + 0.5) * pitch_um);
             [left_um + right, down]
         };
-        // The middle of an electrode; rows of a picture go downwards.
+        // The middle of an electrode; rows of a picture count downwards.
         let middle = |cell: ElectrodeCell| place([cell.column - 1, facts.rows - cell.row]);
         let electrodes = chip.named().map(|(cell, number, name)| (number, name, middle(cell)));
         let pads = chip.pads.iter().zip(0..);
@@ -329,7 +332,8 @@ fn picture(size_um: [f64; 2], paths: &str, connections: &[[[f64; 2]; 2]]) -> Str
             "    <line id=\"line{index}\" style=\"stroke:#000000;stroke-width:0.1\" x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\"/>"
         );
     }
-    // MicroDrop looks for a `scale` without a namespace: square millimetres in an area of one, which here is in millimetres already.
+    // MicroDrop looks for a `scale` without a namespace: square millimetres per unit of area, which here is in
+    // millimetres already.
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" \

@@ -1,4 +1,4 @@
-//! Boards of electrodes in what is written: what they do over time, and how logs and pictures show it.
+//! Output of electrode arrays: their motion over time, and its form in logs and pictures.
 
 pub mod course;
 mod dispensed;

@@ -19,14 +19,14 @@ const ELECTRODE_PT: f64 = 2.0;
 /// Opacity of heaters, detectors and magnets over the electrodes.
 const ZONE_VEIL: f64 = 0.7;
 
-/// Greatest number of corners of all routes.
+/// Greatest number of corners of all routes together.
 const MAX_ROUTE_CORNERS: usize = 20_000;
 
 struct BoardPanel<'a> {
     subject: Subject<'a>,
     orders: Vec<Cow<'a, ElectrodeArrayOrder>>,
     moments: Vec<PartsMoment>,
-    /// The names of all parts, in the order of writing.
+    /// Names of all parts, in source order.
     parts: Vec<&'a str>,
     strobes: Strobes,
     /// Whether positions between start and end are numbered.
@@ -46,12 +46,12 @@ impl Pictured for ElectrodeArrayOrder {
     }
 }
 
-/// The places of a part, one after the other.
+/// The sequence of places of a part.
 fn way(moments: &[PartsMoment], part: &str) -> Vec<[f64; 2]> {
     simplified(moments.iter().filter_map(|moment| moment.cell(part)).map(place))
 }
 
-/// The instants at which a part has come to another cell, with those at which one comes to a stop.
+/// The instants at which a part has come to another cell, and those at which one comes to a stop.
 fn strobes(orders: &[Cow<ElectrodeArrayOrder>], moments: &[PartsMoment], parts: &[&str], most: usize) -> Strobes {
     let mut all: BTreeSet<u64> = moments.first().map(|moment| moment.t_ns).into_iter().collect();
     for pair in moments.windows(2).filter(|pair| pair[0].parts != pair[1].parts) {
@@ -79,7 +79,7 @@ impl BoardPanel<'_> {
         let here = self.moments.get(after.saturating_sub(1))?;
         let cell = *here.parts.get(part)?;
         let next = self.moments.get(after).filter(|_| after > 0);
-        // A part that is gone in the next state comes to where it merges or leaves.
+        // A part that is gone in the next state moves to where it merges or leaves.
         let to = next.and_then(|next| next.cell(part)).unwrap_or(cell);
         let places = [(here.t_ns, place(cell)), (next.map_or(u64::MAX, |next| next.t_ns), place(to))];
         scenery::between(&places, t_ns, |place| *place)
@@ -96,7 +96,7 @@ impl BoardPanel<'_> {
         }
     }
 
-    /// The name of a part with its numbers there, if there are few parts or it fits into the part.
+    /// Labels a part with its name and numbers, if there are few parts or the label fits into the part.
     fn name(&self, text: String, at: [f64; 2], to: &mut Drawing, view: &PaperView) {
         let radius_pt = self.facts().layout.half_width_pitches * view.scale;
         let letters = Letters::SMALL.bold();
@@ -249,7 +249,7 @@ fn draw_obstacles(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &
     }
 }
 
-/// Marks of the goals of all steps.
+/// Marks the goals of all steps.
 fn draw_goals(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
     let goals: BTreeSet<(Option<usize>, ElectrodeCell)> = panel.orders.iter().flat_map(|order| asked(order)).collect();
     for (part, cell) in &goals {
@@ -311,7 +311,7 @@ fn draw_strobes(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mu
     }
 }
 
-/// The numbered places of a part, with its name at its start and end.
+/// Draws the numbered places of a part, with its name at its start and end.
 fn draw_part(panel: &BoardPanel, index: usize, part: &str, view: &PaperView, to: &mut Drawing) {
     let places = StrobedPlace::all(&panel.strobes, |t_ns| panel.place(part, t_ns));
     let radius_pt = 0.4 * panel.facts().layout.half_width_pitches * view.scale;

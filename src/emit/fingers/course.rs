@@ -1,8 +1,8 @@
 //! Motion of the part and the tips of a hand.
 //!
-//! The tips are where the schedule has them. The recorded states give the part's pose after each change of the grasp and each step
-//! that it is rolled; between two of them it moves steadily while a holding finger does. The number of moments written is bounded
-//! for every plan.
+//! The tips are where the schedule has them. The recorded states give the part's pose after each change of the grasp
+//! and each rolled step; between two of them the part moves steadily while a holding finger does. The number of moments
+//! is bounded for every plan.
 
 use crate::claims::fingers::{FingersOrder, Section};
 use crate::device::fingers::{AXES, Plane, finger_axis};
@@ -13,16 +13,16 @@ use crate::schedule::fingers::FingersState;
 use crate::schedule::{PlanRecord, State};
 use crate::verify::Verified;
 
-/// Greatest distance of a tip between two moments written, unless there would be too many.
+/// Greatest distance of a tip between two moments, unless there would be too many.
 const STEP_UM: f64 = 1.0;
 
-/// Approximate limit of moments written, besides those at which some tip changes direction.
+/// Approximate limit of moments, besides those at which some tip changes direction.
 pub const MAX_MOMENTS: usize = 20_000;
 
-/// Corners of the polygon that stands for an outline.
+/// Corners of the polygon that approximates an outline.
 const CORNERS: u32 = 128;
 
-/// All that a hand does.
+/// Motion of a hand in all plans.
 pub struct HandCourse<'a> {
     pub fingers: usize,
     stages: FingerChannels,
@@ -36,24 +36,24 @@ pub struct HandPlanCourse<'a> {
     pub start_ns: u64,
     /// In order of time.
     pub grasps: Vec<RecordedGrasp<'a>>,
-    /// After each grasp but the last, from when to when the fingers that hold then move.
+    /// After each grasp but the last, start and end of the motion of the holding fingers.
     pub motions: Vec<Option<[u64; 2]>>,
     /// In order of time; the first one is that of the first state.
     pub moments: Vec<HandMoment>,
 }
 
-/// A recorded state.
+/// The grasp of a recorded state.
 pub struct RecordedGrasp<'a> {
     pub t_ns: u64,
     pub state: &'a State,
-    /// The contact of each finger, 0 for a free one.
+    /// The contact of each finger; 0 for a free one.
     pub contacts: &'a [u32],
     pub angle_index: i64,
     pub plane: Plane,
     pub part: PartPose,
 }
 
-/// Where the part is.
+/// Pose of the part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartPose {
     pub position_um: [f64; 3],
@@ -61,7 +61,7 @@ pub struct PartPose {
     pub orientation: [f64; 4],
 }
 
-/// Where everything is at an instant.
+/// Positions of part and tips at an instant.
 pub struct HandMoment {
     pub t_ns: u64,
     pub part: PartPose,
@@ -69,7 +69,7 @@ pub struct HandMoment {
     pub tips_um: Vec<[f64; 3]>,
 }
 
-/// The channels of each finger, in the order of the axes.
+/// Channels of each finger, in the order of the axes.
 type FingerChannels = Vec<[usize; 3]>;
 
 impl<'a> HandCourse<'a> {
@@ -89,14 +89,14 @@ impl<'a> HandCourse<'a> {
             plan.motions = pairs.map(|pair| motion(signals, &stages, &pair[0], pair[1].t_ns)).collect();
             plan.moments = plan.moments(signals, &stages, stretches, share);
         }
-        // Before the first task they stand where it begins.
+        // Before the first task everything stands where it begins.
         if let Some(first) = plans.first_mut().and_then(|plan| plan.moments.first_mut()) {
             first.t_ns = 0;
         }
         HandCourse { fingers, stages, plans }
     }
 
-    /// Where everything is at an instant, with the plan and the index of its grasp then.
+    /// Positions at an instant, with the plan and the index of its current grasp.
     pub fn at(&self, signals: &Signals, t_ns: u64) -> Option<(&HandPlanCourse<'a>, usize, HandMoment)> {
         let begun = self.plans.iter().rfind(|plan| plan.start_ns <= t_ns);
         let plan = begun.or_else(|| self.plans.first()).filter(|plan| !plan.grasps.is_empty())?;
@@ -128,7 +128,7 @@ fn tip_um(signals: &Signals, stage: &[usize; 3], t_ns: u64) -> [f64; 3] {
     stage.map(|channel| signals.value(channel, t_ns))
 }
 
-/// Number of parts into which a stretch of straight motion of all tips should be divided.
+/// Desired number of parts of an interval in which all tips move straight.
 fn wanted(signals: &Signals, stages: &FingerChannels, [start_ns, end_ns]: [u64; 2]) -> f64 {
     let way = |stage: &[usize; 3]| {
         let ends = [start_ns, end_ns].map(|t_ns| tip_um(signals, stage, t_ns));
@@ -157,7 +157,7 @@ impl<'a> HandPlanCourse<'a> {
         Some(HandPlanCourse { order, start_ns: plan.start_ns, grasps, motions: Vec::new(), moments: Vec::new() })
     }
 
-    /// Stretches between instants at which a tip may change direction or a state is written.
+    /// Intervals between instants at which a tip may change direction or a state is recorded.
     fn stretches(&self, breaks: &[u64]) -> Vec<[u64; 2]> {
         let (Some(first), Some(last)) = (self.grasps.first(), self.grasps.last()) else { return Vec::new() };
         let (start_ns, end_ns) = (first.t_ns, last.t_ns);
@@ -168,7 +168,7 @@ impl<'a> HandPlanCourse<'a> {
         instants.windows(2).map(|pair| [pair[0], pair[1]]).collect()
     }
 
-    /// The moments of a plan: the ends of all stretches, and a share of those that are wanted between them.
+    /// The moments of a plan: the ends of all intervals, and a share of the desired ones between them.
     fn moments(
         &self,
         signals: &Signals,
@@ -192,7 +192,7 @@ impl<'a> HandPlanCourse<'a> {
         moments
     }
 
-    /// Where the part is at an instant.
+    /// The pose of the part at an instant.
     fn part_at(&self, t_ns: u64) -> PartPose {
         let after = self.grasps.partition_point(|grasp| grasp.t_ns <= t_ns);
         let index = after.saturating_sub(1);
@@ -208,7 +208,7 @@ impl<'a> HandPlanCourse<'a> {
     }
 }
 
-/// From when to when after a grasp, until an instant, the fingers that hold move.
+/// Start and end of the motion of the holding fingers after a grasp, until an instant.
 fn motion(signals: &Signals, stages: &FingerChannels, grasp: &RecordedGrasp, end_ns: u64) -> Option<[u64; 2]> {
     let holding = stages.iter().zip(grasp.contacts).filter(|(_, contact)| **contact > 0);
     let channels = holding.flat_map(|(stage, _)| stage);
@@ -221,12 +221,12 @@ fn motion(signals: &Signals, stages: &FingerChannels, grasp: &RecordedGrasp, end
     ends.reduce(|[first, last], [start_ns, end_ns]| [first.min(start_ns), last.max(end_ns)])
 }
 
-/// Interpolation between two poses. Turns go along the chord, which for the few degrees of a step is as good as the arc
-/// and needs no sine.
+/// Interpolates between two poses. Orientations follow the chord, which for the few degrees of a step is as good as the
+/// arc and needs no sine.
 fn between(one: &PartPose, other: &PartPose, share: f64) -> PartPose {
     let mix = |a: f64, b: f64| a + (b - a) * share;
     let [x, y, z] = [0, 1, 2].map(|axis| mix(one.position_um[axis], other.position_um[axis]));
-    // A quaternion and its negative are the same turn: the near one is meant.
+    // A quaternion and its negative are the same rotation; the nearer one is used.
     let along: f64 = one.orientation.iter().zip(other.orientation).map(|(a, b)| a * b).sum();
     let sign = if along < 0.0 { -1.0 } else { 1.0 };
     let turn = [0, 1, 2, 3].map(|part| mix(one.orientation[part], sign * other.orientation[part]));
@@ -235,7 +235,7 @@ fn between(one: &PartPose, other: &PartPose, share: f64) -> PartPose {
     PartPose { position_um: [x, y, z], orientation }
 }
 
-/// An outline as a polygon, in section coordinates; none where it cannot be followed.
+/// An outline as a polygon, in section coordinates; empty if the outline is invalid.
 pub fn corners(section: &Section) -> Vec<[f64; 2]> {
     let Ok(curve) = Curve::of(&section.outline) else { return Vec::new() };
     let part_um = curve.perimeter_um() / f64::from(CORNERS);

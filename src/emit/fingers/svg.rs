@@ -1,6 +1,7 @@
-//! Pictures of hands: the part and the tips in the plane of the turn, one small panel for each grasp that is shown.
+//! Pictures of hands: the part and the tips in the plane of the turn, with one small panel per shown grasp.
 //!
-//! The first axis of a panel is where the part's first axis was when its turn began, so that a part is seen as far round as it has turned.
+//! The first axis of a panel is the direction of the part's first axis when its turn began, so that the turn of the
+//! part is visible.
 
 use crate::claims::fingers::{FingersOrder, Section};
 use crate::device::fingers::Plane;
@@ -21,40 +22,40 @@ use std::rc::Rc;
 /// Width of one of several panels, in columns.
 const SHARE: f64 = 0.5;
 
-/// Greatest number of grasps that are drawn: two rows.
+/// Greatest number of drawn grasps: two rows.
 const MAX_GRASPS: usize = 8;
 
 /// Opacity of the inside of a part, and of a tip.
 const INSIDE: f64 = 0.22;
 const TIP: f64 = 0.85;
 
-/// Radius of the arc that shows how far a part has turned, as a share of its reach.
+/// Radius of the arc that shows the turn of a part, as a share of its reach.
 const ARC: f64 = 0.4;
 
 struct HandPicture<'a> {
     subject: Subject<'a>,
     course: HandCourse<'a>,
-    /// How far the drawn things reach from the middle of the part.
+    /// Reach of everything drawn, from the middle of the part.
     reach_um: f64,
 }
 
 /// The hand at an instant.
 struct GraspPanel<'a> {
     picture: Rc<HandPicture<'a>>,
-    /// From 1, of several.
+    /// From 1; `None` for a single panel.
     number: Option<usize>,
     t_ns: u64,
     note: Option<String>,
 }
 
-/// What is seen of a hand at an instant, in its turn's plane.
+/// View of a hand at an instant, in the plane of its turn.
 struct TurnView<'p> {
     section: &'p Section,
     plane: Plane,
     /// The axes of the panel in the hand's frame.
     axes: [Vector3<f64>; 2],
     origin_um: [f64; 3],
-    /// How far the part has turned since its turn began.
+    /// Rotation of the part since its turn began.
     turned_rad: f64,
 }
 
@@ -77,7 +78,7 @@ impl Pictured for FingersOrder {
     }
 }
 
-/// The instants at which other fingers hold than before, with the ends of steps.
+/// The instants at which the set of holding fingers changes, and the ends of steps.
 fn strobes(course: &HandCourse, subject: Subject) -> Strobes {
     let schedule = subject.verified.schedule();
     let mut all = BTreeSet::new();
@@ -91,7 +92,7 @@ fn strobes(course: &HandCourse, subject: Subject) -> Strobes {
     let own = |plan: u32| schedule.plans.get(plan as usize).is_some_and(|plan| plan.device == subject.device);
     let stops: BTreeSet<u64> = schedule.steps.iter().filter(|step| own(step.plan)).map(|step| step.end_ns()).collect();
     let last_ns = all.last().copied().unwrap_or(0);
-    // What ends after the last state changes nothing.
+    // Steps that end after the last state change nothing.
     all.extend(stops.iter().filter(|t_ns| **t_ns < last_ns));
     let mut strobes = Strobes::chosen(&all, &stops, MAX_GRASPS);
     strobes.note = strobes
@@ -106,7 +107,7 @@ fn turned(pose: &PartPose, [x, y, z]: [f64; 3]) -> Vector3<f64> {
 }
 
 impl<'p> TurnView<'p> {
-    /// The view at an instant: that of the turn that leads to the next grasp, where the part is on its way there.
+    /// The view at an instant; while the part turns towards the next grasp, that of this turn.
     fn new(plan: &'p HandPlanCourse, index: usize, moment: &HandMoment) -> Option<TurnView<'p>> {
         let here = &plan.grasps[index];
         let is_moving = |next: &&RecordedGrasp| {
@@ -120,13 +121,13 @@ impl<'p> TurnView<'p> {
         let axes = [first * cos - second * sin, first * sin + second * cos];
         let [now, _] = meant.plane.axes().map(|axis| turned(&moment.part, axis));
         let now_rad = now.dot(&axes[1]).arc_tangent_over(now.dot(&axes[0]));
-        // The whole turns that the angle alone does not show.
+        // The whole turns, which the angle alone does not show.
         let whole = ((meant_rad - now_rad) / std::f64::consts::TAU).round();
         let turned_rad = now_rad + whole * std::f64::consts::TAU;
         Some(TurnView { section, plane: meant.plane, axes, origin_um: moment.part.position_um, turned_rad })
     }
 
-    /// A point of the hand's frame in the panel, and its height above it.
+    /// A point of the hand's frame in the panel, and its height above the panel.
     fn seen(&self, place_um: [f64; 3]) -> ([f64; 2], f64) {
         let [x, y, z] = [0, 1, 2].map(|axis| place_um[axis] - self.origin_um[axis]);
         let away = Vector3::new(x, y, z);
@@ -180,7 +181,7 @@ impl Panel for GraspPanel<'_> {
 }
 
 impl GraspPanel<'_> {
-    /// The step that ends or goes on, the angle, and who holds.
+    /// The step that ends or continues, the angle, and the holding fingers.
     fn words(&self, grasp: &RecordedGrasp, turn: &TurnView) -> Vec<String> {
         let schedule = self.picture.subject.verified.schedule();
         let own = |plan: u32| {
@@ -251,7 +252,7 @@ fn draw_tips(
         let (place, height_um) = turn.seen(*tip_um);
         tips.push((finger, place, height_um));
     }
-    // Free ones below, and the lower ones first.
+    // Free tips are below, and lower ones first.
     let is_held = |finger: usize| grasp.contacts.get(finger).is_some_and(|contact| *contact > 0);
     tips.sort_by(|a, b| (is_held(a.0), a.2).partial_cmp(&(is_held(b.0), b.2)).unwrap_or(std::cmp::Ordering::Equal));
     for (finger, place, _) in tips {

@@ -1,17 +1,18 @@
-//! Frames for the drivers of electrode boards: for each driver of the program the electrodes that are on, frame by frame, and a
-//! program that plays them.
+//! Frames for the drivers of electrode boards: for each driver of the program the electrodes that are on, frame by
+//! frame, and a program that plays them.
 //!
-//! `<name>.<driver>.frames.csv` has a row for each frame: its number from 1, when it begins and how long it lasts in milliseconds, and
-//! the numbers of the channels that are on, with blanks between them; where magnets or heaters of the driver are wired, those that are on
-//! stand in a column of their own, as `magnet1 heater1=60` with the temperature in degrees Celsius. Frames follow each other without a gap from 0 to the end of the
-//! schedule; two neighbours differ. `<name>.frames.py` plays them on an OpenDrop (frames of 32 bytes over USB serial), a PurpleDrop
-//! (JSON-RPC calls) or a DropBot (calls of its Python package), and switches all electrodes off at the end, on an error and on Ctrl-C, but what
-//! rests on. Where the pads of reservoirs are not among the channels of a board, it says when a droplet is due at which outlet. Where the schedule
-//! waits for an input or a person, frames have the longest
-//! wait; the sender goes on from its end as soon as what is waited for has come.
+//! `<name>.<driver>.frames.csv` has a row for each frame: its number from 1, its start and duration in milliseconds,
+//! and the numbers of the channels that are on, separated by blanks. If magnets or heaters of the driver are wired,
+//! those that are on stand in a column of their own, as `magnet1 heater1=60` with the temperature in degrees Celsius.
+//! Frames follow each other without a gap from 0 to the end of the schedule; two neighbours differ. `<name>.frames.py`
+//! plays them on an OpenDrop (frames of 32 bytes over USB serial), a PurpleDrop (JSON-RPC calls) or a DropBot (calls of
+//! its Python package). At the end, on an error and on Ctrl-C it switches off all electrodes except those that rest on.
+//! If the pads of reservoirs are not among the channels of a board, it says when a droplet is due at which outlet.
+//! Where the schedule waits for an input or a person, frames cover the longest wait; the sender goes on from the end of
+//! the wait as soon as its event occurs.
 //!
-//! `<name>.<driver>.opendrop.json`, a format of its own, is for the program that comes with an OpenDrop. It has no times, so that each
-//! frame stands in it as often as the common period of all durations fits into its own.
+//! `<name>.<driver>.opendrop.json`, a format of its own, is for the program that comes with an OpenDrop. It has no
+//! times, so each frame is repeated as often as the common period of all durations fits into its own.
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::parts::{listing as holds_listing, sender};
@@ -23,7 +24,7 @@ use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-/// The sender, with an empty list of drivers where the marker is.
+/// The sender, with an empty list of drivers at the marker.
 const SENDER: &str = include_str!("send.py");
 
 /// Estimated bytes of a row without its channels, and of a channel.
@@ -36,7 +37,7 @@ const OPENDROP_ROWS: u32 = 8;
 /// Most frames that the program loads.
 const OPENDROP_FRAMES: u64 = 200;
 
-/// Characters of a row in the file of OpenDrop's program, one for each column: 16 of electrodes, 2 that it never sets.
+/// Characters of a row in the file of OpenDrop's program, one per column: 16 of electrodes, and 2 that are never set.
 const OPENDROP_CHARACTERS: u32 = 18;
 
 /// The files, each with its ending; `dispensed` are the droplets that a person puts onto the boards.
@@ -86,28 +87,28 @@ pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>
     if files.is_empty() { Err(none()) } else { Ok(files) }
 }
 
-/// What a driver has on for some time.
+/// The channels that a driver has on during an interval.
 #[derive(Clone)]
 pub(super) struct Frame {
     pub(super) start_ns: u64,
     pub(super) end_ns: u64,
-    /// Numbers of channels, in order.
+    /// Channel numbers, in order.
     pub(super) on: BTreeSet<u32>,
     /// Magnets and heaters.
     accessories: BTreeSet<Accessory>,
 }
 
-/// A magnet or a heater of a driver, as its table of frames has it: `magnet1`, `heater1=60`.
+/// A magnet or heater of a driver, as written in the table of frames: `magnet1`, `heater1=60`.
 type Accessory = String;
 
-/// What a driver switches.
+/// The object that an output switches.
 enum Switched {
     Electrodes(u32),
     Accessory(Accessory),
 }
 
 impl Switched {
-    /// What stands behind an output of a driver.
+    /// The object behind an output of a driver.
     fn of(output: &str, facts: &ElectrodeDriverFacts) -> Switched {
         match (number_after("c", output), facts.heats_to_degc(output)) {
             (Some(number), _) => Switched::Electrodes(number),
@@ -128,12 +129,12 @@ impl Frame {
     }
 }
 
-/// A driver with what it plays.
+/// A driver with its frames.
 pub(super) struct FramedBoard<'a> {
     pub(super) wired: &'a WiredInstrument<'a>,
     pub(super) facts: &'a ElectrodeDriverFacts,
     pub(super) frames: Vec<Frame>,
-    /// What is on before and after, at no time of its own.
+    /// Channels that are on before and after the schedule; its times are not used.
     resting: Frame,
     /// Whether magnets or heaters are wired.
     has_accessories: bool,
@@ -150,7 +151,8 @@ impl<'a> FramedBoard<'a> {
         for (output, channel) in switched.iter().zip(&wired.schedule.channels) {
             resting.switch(output, channel.rest_v != 0.0);
         }
-        // The outputs whose actuations end, and those on which one begins, each with whether it is on then, by instant.
+        // By instant, the outputs whose actuations end, and those whose actuations begin, each with whether it is on
+        // then.
         let mut changes: BTreeMap<u64, [Vec<(&Switched, bool)>; 2]> = BTreeMap::new();
         for actuation in &wired.schedule.actuations {
             let channel = actuation.channel as usize;
@@ -198,7 +200,7 @@ impl<'a> FramedBoard<'a> {
         Ok(text)
     }
 
-    /// An error if a channel rests on: the file says nothing of what is on once its frames are over.
+    /// An error if a channel rests on: the file cannot say what is on after its last frame.
     pub(super) fn refuse_rest(&self, format: Format) -> Result<(), EmitError> {
         let Some(number) = self.resting.on.first() else { return Ok(()) };
         let output = format!("{}.c{number}", self.wired.name);
@@ -207,7 +209,7 @@ impl<'a> FramedBoard<'a> {
         Err(EmitError::Unsayable { format, what, help })
     }
 
-    /// An error if a magnet or a heater is wired: the file of OpenDrop's program has electrodes alone.
+    /// An error if a magnet or heater is wired, since the file of OpenDrop's program has electrodes only.
     fn refuse_accessories(&self) -> Result<(), EmitError> {
         let wired = self.wired.drives.iter().map(|drive| (drive, Switched::of(&drive.output, self.facts)));
         let mut accessories = wired.filter(|(_, switched)| matches!(switched, Switched::Accessory(_)));
@@ -217,10 +219,10 @@ impl<'a> FramedBoard<'a> {
         Err(EmitError::Unsayable { format: Format::Opendrop, what, help })
     }
 
-    /// The voltage of all electrodes that the driver switches, in volts.
+    /// The common voltage of all electrodes that the driver switches, in volts.
     ///
     /// # Errors
-    /// [`EmitError::Unsayable`] where there are two.
+    /// [`EmitError::Unsayable`] if there are two.
     pub(super) fn voltage_v(&self, format: Format) -> Result<f64, EmitError> {
         let links = self.wired.drives.iter().map(|drive| (&drive.output, drive.link));
         let volts = links.filter_map(|(output, link)| match link {
@@ -237,7 +239,7 @@ impl<'a> FramedBoard<'a> {
         Err(EmitError::Unsayable { format, what, help })
     }
 
-    /// The time that each frame of OpenDrop's file stands for, in nanoseconds.
+    /// The duration of each frame in OpenDrop's file, in nanoseconds.
     fn period_ns(&self) -> u64 {
         self.frames
             .iter()
@@ -267,7 +269,7 @@ impl<'a> FramedBoard<'a> {
         Ok(format!("{:#}\n", serde_json::Value::Array(frames)))
     }
 
-    /// What the sender must know.
+    /// Data for the sender.
     fn listing(&self) -> Result<serde_json::Value, EmitError> {
         let electrodes: BTreeMap<u32, &str> = (self.wired.drives.iter().zip(&self.wired.schedule.channels))
             .filter_map(|(drive, channel)| Some((number_after("c", &drive.output)?, channel.name.as_str())))

@@ -10,7 +10,7 @@ use crate::schedule::{Actuation, Channel, ChannelUnit, ScheduledHold, ScheduledS
 use crate::source::Span;
 use crate::verify::Verified;
 
-/// A bench with a driver alone.
+/// A bench with a single driver.
 fn bench_of(protocol: Protocol) -> Bench {
     let facts = ElectrodeDriverFacts {
         protocol,
@@ -28,12 +28,13 @@ fn bench_of(protocol: Protocol) -> Bench {
     bench
 }
 
-/// Two droplets on a board of 8 x 5 electrodes without its corner, which has number 5 c + r less 6; both go on, rest 1 ms, and go back.
+/// Two droplets on a board of 8 x 5 electrodes without its corner, numbered 5 c + r - 6; both move on, rest 1 ms, and
+/// move back.
 pub fn board_on_driver(protocol: Protocol) -> FixtureSchedule {
     numbered_board(protocol, |cell| (5 * cell.column + cell.row).checked_sub(7))
 }
 
-/// The same with other numbers under the electrodes.
+/// The same board with other channel numbers.
 fn numbered_board(protocol: Protocol, number: fn(ElectrodeCell) -> Option<u32>) -> FixtureSchedule {
     let cells = (1..=5).flat_map(|row| (1..=8).map(move |column| ElectrodeCell::new(column, row)));
     let map = ElectrodeMap { columns: 8, channels: cells.map(number).collect(), disabled: Vec::new() };
@@ -56,7 +57,7 @@ fn numbered_board(protocol: Protocol, number: fn(ElectrodeCell) -> Option<u32>) 
     FixtureSchedule { verified: Verified::assume(schedule, claims), provenance: Provenance::default() }
 }
 
-/// The same with waits for a person, each for 1 ms: before the first step, where nothing moves, and at the end.
+/// The same board with waits for a person of 1 ms each: before the first step, where nothing moves, and at the end.
 pub fn prompting_board(protocol: Protocol) -> FixtureSchedule {
     board_on_driver(protocol).changed(|schedule| {
         let rest_ns = schedule.steps[0].end_ns();
@@ -65,7 +66,7 @@ pub fn prompting_board(protocol: Protocol) -> FixtureSchedule {
         for actuation in &mut schedule.actuations {
             let end_ns = shift(actuation.end_ns());
             actuation.start_ns = if actuation.start_ns == 0 { 0 } else { shift(actuation.start_ns) };
-            // What is on at the end stays so while the last question waits.
+            // Channels that are on at the end stay on during the last prompt.
             let end_ns = if end_ns == over_ns { end_ns + 1_000_000 } else { end_ns };
             actuation.duration_ns = end_ns - actuation.start_ns;
         }
@@ -75,7 +76,7 @@ pub fn prompting_board(protocol: Protocol) -> FixtureSchedule {
     })
 }
 
-/// The same board on an OpenDrop, with its first magnet on in the first step, and its second heater from 7 ms on.
+/// The same board on an OpenDrop, with its first magnet on in the first step, and its second heater on from 7 ms.
 pub fn board_with_magnet() -> FixtureSchedule {
     board_on_driver(Protocol::Opendrop).changed(|schedule| {
         let end_ns = schedule.duration_ns;
@@ -148,7 +149,7 @@ fn file(format: Format, fixture: &FixtureSchedule, ending: &str) -> String {
     String::from_utf8(found.bytes).expect("a text")
 }
 
-/// Five pulses of 15 ms, one each 30 ms, of the left and the right side in turn.
+/// Five pulses of 15 ms, one every 30 ms, alternating between the left and the right side.
 #[test]
 fn frames_follow_each_other_from_the_start_to_the_end() {
     let fixture = on_driver(fixture::fetch(), Protocol::Opendrop);
@@ -163,7 +164,7 @@ fn frames_follow_each_other_from_the_start_to_the_end() {
     }
     assert_eq!(end, fixture.verified.schedule().duration_ns as f64 / 1e6);
     assert!(rows[1..].windows(2).all(|pair| pair[0][3] != pair[1][3]), "neighbours differ: {text}");
-    // Each instant of each channel is that of the schedule.
+    // Each channel has the value of the schedule at each instant.
     let signals = Signals::new(fixture.verified.schedule());
     for row in &rows[1..] {
         let start_ns = (row[1].parse::<f64>().expect("a number") * 1e6).round() as u64;
@@ -173,7 +174,7 @@ fn frames_follow_each_other_from_the_start_to_the_end() {
     }
 }
 
-/// Channel 8 x + y is character x of row y; the frames of the file are as long as one another.
+/// Channel 8 x + y is character x of row y; all frames of the file have the same length.
 #[test]
 fn the_file_of_the_opendrop_says_the_same() {
     let fixture = on_driver(fixture::fetch(), Protocol::Opendrop);
@@ -215,7 +216,7 @@ fn magnets_and_heaters_stand_beside_the_electrodes() {
     assert!(refused(Format::Microdrop).title.contains("lift.out"), "{:?}", refused(Format::Microdrop));
 }
 
-/// The part is not in the first state, and so comes in the step that begins there.
+/// The part is absent in the first state, so it comes in the step that begins there.
 #[test]
 fn droplets_that_come_are_named_when_they_are_due() {
     let (claims, mut schedule) =
@@ -231,7 +232,7 @@ fn droplets_that_come_are_named_when_they_are_due() {
     }
     assert!(at_s > 0.0);
     assert_eq!(due(&schedule), [json!({ "at_s": at_s, "droplet": name, "outlet": [12, 5] })]);
-    // After a wait it is due as its step begins, and not when the board was last another one.
+    // After a wait the droplet is due when its step begins, not when the board last changed.
     let later_ns = schedule.plans[0].states[2].t_ns - 1;
     schedule.steps.push(ScheduledStep { start_ns: later_ns, ..schedule.steps[0].clone() });
     assert_eq!(due(&schedule)[0]["at_s"], json!(later_ns as f64 / 1e9));
@@ -245,7 +246,7 @@ fn what_cannot_be_written_says_why() {
             .map_err(|error| error.diagnostic().code)
     };
     assert_eq!(code(Format::Frames, fixture::fetch()), Err(Code::E0824), "no driver");
-    // A wiring is no help where no channel is there.
+    // A wiring does not help without channels.
     let still = fixture::idle().changed(|schedule| schedule.channels.clear());
     let error = emit(Format::Opendrop, &still.verified, &still.provenance).map(|_| ()).unwrap_err().diagnostic();
     assert!(error.code == Code::E0824 && error.title.contains("switches and moves nothing"), "{}", error.title);
@@ -257,7 +258,7 @@ fn what_cannot_be_written_says_why() {
     assert_eq!(code(Format::Opendrop, long), Err(Code::E0823), "frames of 1 ns");
 }
 
-/// What MicroDrop reads: the steps of a protocol without their names.
+/// The steps that MicroDrop reads, without their names.
 fn microdrop_steps(fixture: &FixtureSchedule) -> Vec<serde_json::Value> {
     let text = file(Format::Microdrop, fixture, "driver.microdrop.json");
     let protocol: serde_json::Value = serde_json::from_str(&text).expect("JSON");
@@ -265,7 +266,8 @@ fn microdrop_steps(fixture: &FixtureSchedule) -> Vec<serde_json::Value> {
     rows.map(|row| row.as_array().expect("a row")[4..].to_vec().into()).collect()
 }
 
-/// Both droplets hold their electrodes, and the one before them is on while they move on; numbers are 5 c + r - 7.
+/// Both droplets hold their electrodes, and the previous electrode stays on while they move on; numbers are 5 c + r -
+/// 7.
 #[test]
 fn a_step_of_microdrop_stands_for_each_frame() {
     let steps = microdrop_steps(&board_on_driver(Protocol::Dropbot));
@@ -277,8 +279,8 @@ fn a_step_of_microdrop_stands_for_each_frame() {
     assert_eq!(steps, frames.map(|(seconds, channels)| json!([seconds, on(channels)])), "nothing to set");
 }
 
-/// The electrode at (1, 5) shares its channel with those at (4, 1) and (4, 3): one number in the frames, and one name for each in
-/// MicroDrop. The channel has the name of the first, row by row.
+/// The electrode at (1, 5) shares its channel with those at (4, 1) and (4, 3): one number in the frames, but one name
+/// for each in MicroDrop. The channel has the name of its first electrode, row by row.
 #[test]
 fn a_shared_channel_is_one_channel_and_all_its_electrodes() {
     let number = |cell: ElectrodeCell| match cell.pair() {
@@ -301,7 +303,7 @@ fn a_shared_channel_is_one_channel_and_all_its_electrodes() {
     assert!(protocol.contains("\"electrode003_3\":3"), "{protocol}");
 }
 
-/// A prompt is shown before its step, with what was on before.
+/// A prompt is shown before its step, with the electrodes that were on before.
 #[test]
 fn prompts_are_messages_of_the_steps_behind_them() {
     let steps = microdrop_steps(&prompting_board(Protocol::Opendrop));
@@ -336,7 +338,7 @@ fn the_device_of_microdrop_has_the_sizes_of_the_board() {
     let path = format!("d=\"M {left},{top} H {right} V {bottom} H {left} Z\"");
     let line = text.lines().find(|line| line.contains("id=\"electrode012\"")).expect("its electrode");
     assert!(line.contains("data-channels=\"12\"") && line.contains(&path), "{line}");
-    // Of 40 places one is empty: 8 x 4 and 7 x 5 pairs without its two.
+    // One of 40 places is empty, so there are 8 x 4 and 7 x 5 pairs minus its two.
     assert_eq!([text.matches("<path ").count(), text.matches("<line ").count()], [39, 32 + 35 - 2]);
 }
 

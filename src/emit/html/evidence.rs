@@ -1,4 +1,5 @@
-//! What stands behind the word "verified" on a page: the rules that were asked, what comes nearest to what, and what holds parts.
+//! Evidence behind the word "verified" on a page: the rules that were checked, the closest clearances, and the forces
+//! that hold parts.
 
 use crate::diagnostic::Code;
 use crate::verify::{self, GapUnit, Verified};
@@ -8,17 +9,17 @@ use serde::Serialize;
 pub(super) struct PageEvidence<'a> {
     rules: Vec<PageRule>,
     clearances: Vec<PageClearance<'a>>,
-    /// Of each plan in which something holds a part by forces.
+    /// For each plan in which forces hold a part.
     forces: Vec<PageForces>,
 }
 
 /// The forces by which fingers hold a part.
 #[derive(Serialize)]
 struct PageForces {
-    /// Index of the schedule's plans.
+    /// Index of the plan in the schedule.
     plan: usize,
-    /// For each recorded state the force of each finger on the part, in micronewtons along the axes of the hand; none for a free finger,
-    /// and none at all where no forces balance.
+    /// For each recorded state, the force of each finger on the part, in micronewtons along the axes of the hand:
+    /// `None` for a free finger, and `None` for the whole state where no forces balance.
     states: Vec<Option<Vec<Option<[f64; 3]>>>>,
 }
 
@@ -26,7 +27,7 @@ struct PageForces {
 struct PageRule {
     code: Code,
     says: &'static str,
-    /// Of how many things it was asked.
+    /// Number of things that it was checked on.
     times: u64,
 }
 

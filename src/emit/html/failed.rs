@@ -1,5 +1,5 @@
-//! What the page of a program shows that could not be built: its errors, at their lines and in the scene. And what the page of a log shows
-//! that was refused: the rules that it breaks, at their instants.
+//! Pages of failures. For a program that could not be built, the page shows its errors, at their lines and in the
+//! scene; for a refused log, the rules that it breaks, at their instants.
 
 use crate::claims::Claims;
 use crate::diagnostic::{CellRun, Code, Diagnostic, Label, PlaceUnit, Reach, ReachExtent, Sink, WrittenPlace, machine};
@@ -11,16 +11,16 @@ use serde::Serialize;
 /// Ending of the page of a program that could not be built, after the name of its file.
 pub const FAILED_ENDING: &str = "failed.html";
 
-/// Errors and warnings that such a page lists.
+/// Most errors and warnings that a page lists.
 const MAX_FINDINGS: usize = 50;
 
-/// Why a program could not be built, or a log was refused.
+/// Reason why a program could not be built, or a log was refused.
 #[derive(Serialize)]
 pub(super) struct PageFailure<'a> {
-    /// Whether it is a log, which is shown as it is, though it was refused.
+    /// Whether it is a log, which is shown as it is although it was refused.
     is_refused: bool,
     findings: Vec<PageFinding<'a>>,
-    /// Errors and warnings that are not listed.
+    /// Number of errors and warnings not listed.
     more: usize,
     places: Vec<PagePlace<'a>>,
 }
@@ -31,10 +31,10 @@ struct PageFinding<'a> {
     severity: &'static str,
     title: &'a str,
     help: Option<&'a str>,
-    /// When a rule is broken.
+    /// The instant at which a rule is broken.
     t_ns: Option<u64>,
     labels: Vec<PageLabel<'a>>,
-    /// How far the search for a plan came, where that can be shown.
+    /// The progress of the search for a plan, where it can be shown.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     reaches: Vec<PageReach<'a>>,
 }
@@ -50,7 +50,7 @@ struct PageReach<'a> {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum PageExtent {
-    /// Each a row, and its columns from the first to the last.
+    /// Each a row with its first and last column.
     Cells {
         runs: Vec<[u32; 3]>,
     },
@@ -59,7 +59,7 @@ enum PageExtent {
         reached_deg: f64,
         asked_deg: f64,
     },
-    /// Micrometres, micrometres and radians.
+    /// x and y in micrometres, heading in radians.
     Pose {
         pose: [f64; 3],
     },
@@ -77,7 +77,7 @@ impl<'a> PageReach<'a> {
     }
 }
 
-/// Lines and columns as people count them, columns in characters; the end is the place after the last character.
+/// Lines and columns from 1, columns in characters; the end is after the last character.
 #[derive(Serialize)]
 struct PageLabel<'a> {
     file: &'a str,
@@ -99,7 +99,7 @@ struct PagePlace<'a> {
 
 /// A program that could not be built, to be shown.
 pub struct FailedProgram<'a> {
-    /// The part of it that could be built, with the claims of the whole where they could be made.
+    /// The part of it that could be built, with the claims of the whole program if they could be derived.
     pub part: Option<(&'a Verified, Option<&'a Claims>)>,
     pub errors: &'a Sink,
     /// The places in the scene that the errors are about.
@@ -134,16 +134,17 @@ impl FailedProgram<'_> {
 
 /// A schedule that the verifier refused, to be shown.
 pub struct RefusedSchedule<'a> {
-    /// None where its parts do not fit together, so that nothing of it can be shown.
+    /// `None` if its parts do not fit together, so that nothing of it can be shown.
     schedule: Option<&'a Schedule>,
     claims: &'a Claims,
-    /// Each with its instant; those of what takes place come first, each sort by time.
+    /// Violations with their instants; those of the execution come before those of recorded figures, each group in
+    /// order of time.
     violations: Vec<(u64, Diagnostic)>,
     sources: &'a Sources,
 }
 
 impl<'a> RefusedSchedule<'a> {
-    /// What a schedule breaks of its claims; `is_whole` says whether it can be shown at all.
+    /// The violations of a schedule; `is_whole` says whether the schedule can be shown at all.
     pub fn new(
         schedule: &'a Schedule,
         is_whole: bool,
@@ -152,7 +153,7 @@ impl<'a> RefusedSchedule<'a> {
         sources: &'a Sources,
     ) -> RefusedSchedule<'a> {
         let mut violations = violations;
-        // A pulse that is wrong makes recorded figures wrong, too: those say little of the reason.
+        // A wrong pulse also makes recorded figures wrong, which say little about the cause.
         violations.sort_by_key(|violation| violation.rule.is_of_the_record());
         let violations = violations.into_iter().map(|violation| (violation.time_ns, violation.into())).collect();
         RefusedSchedule { schedule: is_whole.then_some(schedule), claims, violations, sources }

@@ -1,4 +1,4 @@
-//! Pages that follow their program: while it is built again and again, each moves on to the page of the latest build.
+//! Pages that follow their program: while it is rebuilt, each page moves on to the page of the latest build.
 
 use crate::emit::Provenance;
 use crate::schedule::sha256;
@@ -7,20 +7,20 @@ use serde::Serialize;
 /// The beginning of every page.
 const HEAD: &str = "<html lang=\"en\"";
 
-/// A script beside the pages of a build that says which build is the latest. Pages cannot read other files from the disk, but they can
-/// load scripts.
+/// A script beside the pages of a build that names the latest build. Pages cannot read other files from the disk, but
+/// they can load scripts.
 pub struct Follower<'a> {
-    /// Its name.
+    /// Name of the script.
     script: &'a str,
     /// Fingerprint of the program's files.
     stamp: String,
 }
 
-/// What the script tells.
+/// Content of the script.
 #[derive(Serialize)]
 struct LatestBuild<'a> {
     stamp: &'a str,
-    /// The pages, by name: those of the schedules, or the one of the errors.
+    /// Names of the pages: those of the schedules, or the one of the errors.
     pages: &'a [&'a str],
 }
 
@@ -31,7 +31,7 @@ impl<'a> Follower<'a> {
         Self { script, stamp: sha256(&files.collect::<String>()) }
     }
 
-    /// Lets a page follow.
+    /// Makes a page follow.
     pub fn lead(&self, page: &mut Vec<u8>) {
         let script = self.script.replace('&', "&amp;").replace('"', "&quot;");
         let head = format!("{HEAD} data-follow=\"{script}\" data-stamp=\"{}\"", self.stamp);
@@ -39,7 +39,7 @@ impl<'a> Follower<'a> {
         page.splice(at..at + HEAD.len(), head.bytes());
     }
 
-    /// The script, once the pages are known.
+    /// The bytes of the script, once the pages are known.
     pub fn tell(&self, pages: &[&str]) -> Vec<u8> {
         let latest = LatestBuild { stamp: &self.stamp, pages };
         format!("tweezeBuilt({});\n", serde_json::to_string(&latest).expect("names are JSON")).into_bytes()

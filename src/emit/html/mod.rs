@@ -1,10 +1,12 @@
 //! HTML: one page that plays a schedule, without a server, a network or another file.
 //!
-//! A program that could not be built has a page too (`failed`): its errors, and the scene with what of it could be built. So has a log that
-//! was refused: the rules that it breaks, and what it says, which is the one form in which anything unverified is written.
+//! A program that could not be built has a page too (`failed`) with its errors, and the scene as far as it could be
+//! built. So has a refused log, with the rules that it breaks and its content; this is the only form in which anything
+//! unverified is written.
 //!
-//! The page holds the program, the schedule and the claims as JSON (`schema/page.schema.json`), and draws them itself: program, scene,
-//! timeline and claims on one clock. Style and script are those of `assets/page`, put together here as they are.
+//! The page holds the program, the schedule and the claims as JSON (`schema/page.schema.json`), and draws program,
+//! scene, timeline and claims on one clock by a script. Style and script are those of `assets/page`, inserted
+//! unchanged.
 
 mod evidence;
 mod failed;
@@ -29,7 +31,7 @@ const PAGE: &str = include_str!("../../../assets/page/page.html");
 
 const STYLE: &str = include_str!("../../../assets/page/page.css");
 
-/// The parts of the script, in the order in which they use one another.
+/// The parts of the script, in dependency order.
 const SCRIPTS: [&str; 11] = [
     include_str!("../../../assets/page/model.js"),
     include_str!("../../../assets/page/pen.js"),
@@ -47,23 +49,24 @@ const SCRIPTS: [&str; 11] = [
 /// Version of the data in a page.
 const VERSION: u32 = 1;
 
-/// All that a page shows.
+/// The data of a page.
 #[derive(Serialize)]
 struct PageData<'a> {
     format: &'static str,
     version: u32,
     /// The version that wrote it.
     tweeze: &'static str,
-    /// None where nothing of a program could be built.
+    /// `None` if nothing of the program could be built.
     schedule: Option<&'a RawValue>,
     claims: Option<&'a RawValue>,
     /// The program's own file first, then those that it uses.
     sources: Vec<PageSource<'a>>,
     settings: &'a [String],
-    /// Of the page of a log: nothing derived the bounds, proofs, estimates, guarantees and remarks of its plans again.
+    /// Whether the page is of a log, so that the bounds, proofs, estimates, guarantees and remarks of its plans were
+    /// not derived again.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     recorded: bool,
-    /// What was verified; none of a log that was refused.
+    /// What was verified; `None` for a refused log.
     #[serde(skip_serializing_if = "Option::is_none")]
     evidence: Option<PageEvidence<'a>>,
     /// Why the program could not be built, or the log was refused.
@@ -89,7 +92,7 @@ pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<
 /// The bytes of the page of a program that could not be built.
 ///
 /// # Errors
-/// As those of [`write()`].
+/// As [`write()`].
 pub(super) fn write_failed(failed: &FailedProgram, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
     let part = failed.part.map(|(verified, whole)| (verified.schedule(), whole.unwrap_or(verified.claims())));
     let evidence = failed.part.map(|(verified, _)| PageEvidence::of(verified));
@@ -99,7 +102,7 @@ pub(super) fn write_failed(failed: &FailedProgram, provenance: &Provenance) -> R
 /// The bytes of the page of a schedule that was refused.
 ///
 /// # Errors
-/// As those of [`write()`].
+/// As [`write()`].
 pub(super) fn write_refused(refused: &RefusedSchedule, provenance: &Provenance) -> Result<Vec<u8>, EmitError> {
     page(refused.shown(), provenance, None, Some(refused.failure()))
 }
@@ -129,7 +132,7 @@ fn page(
         evidence,
         failure,
     };
-    // In JSON a `<` stands within strings only; escaped, nothing in them can end the script that carries them.
+    // In JSON `<` occurs only within strings; escaped, no string can end the script element that carries the data.
     let data = serde_json::to_string(&data).map_err(unwritten)?.replace('<', "\\u003c");
     let page = assembled(&[("/*style*/", STYLE), ("/*data*/", &data), ("/*script*/", &SCRIPTS.concat())]);
     EmitError::refuse_size(Format::Html, page.len() as u64, MAX_TEXT_BYTES)?;
@@ -140,7 +143,7 @@ fn unwritten(error: serde_json::Error) -> EmitError {
     EmitError::Failed { format: Format::Html, detail: error.to_string() }
 }
 
-/// The page with each mark, in the order in which they stand in it, replaced by its text; marks within these texts stay.
+/// The page with its markers replaced by texts, in the order in which they occur; markers within these texts stay.
 fn assembled(parts: &[(&str, &str)]) -> String {
     let (mut page, mut rest) = (String::new(), PAGE);
     for (mark, text) in parts {

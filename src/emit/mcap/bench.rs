@@ -1,4 +1,5 @@
-//! The devices of a log, where their scene places them or side by side, with their jobs in order of time.
+//! The devices of a log with their jobs in order of time; each stands where its scene places it, the others side by
+//! side.
 
 use super::frames::{self, Mover, StandingPose};
 use super::{LogTopic, pictures};
@@ -9,10 +10,10 @@ use std::collections::BTreeMap;
 /// Gap between the pictures of two devices, in units of pictures.
 const GAP: f64 = 5.0;
 
-/// Where a device stands in pictures.
+/// Position of a device in pictures.
 pub struct PictureBench<'a> {
     pub device: &'a str,
-    /// Where it is in the frame `world`.
+    /// Its pose in the frame `world`.
     pub stand: StandingPose,
     /// Its first job.
     pub job: &'a Job,
@@ -43,13 +44,13 @@ impl<'a> PictureBench<'a> {
     }
 }
 
-/// `/tf`, of all devices and of what moves in their frames.
+/// `/tf` of all devices and of the movers in their frames.
 pub fn frames(benches: &[PictureBench], movers: &[Mover]) -> LogTopic {
     let stands: Vec<(&str, StandingPose)> = benches.iter().map(|bench| (bench.device, bench.stand)).collect();
     frames::topic(&stands, movers)
 }
 
-/// Where along x the devices begin that no scene places.
+/// Start along x of the devices that no scene places.
 fn right_of_placed(claims: &Claims) -> f64 {
     let devices: BTreeMap<&str, &Job> = claims.jobs.iter().map(|job| (job.device.as_str(), job)).collect();
     let ends = devices.into_values().filter_map(|job| {

@@ -74,12 +74,12 @@ pub fn cloud(strokes: &[Stroke], device: &str, t_ns: u64) -> PointCloud {
     spaced_cloud(strokes, device, t_ns, STEP_UM)
 }
 
-/// A cloud with this spacing of neighbouring points, or a wider one if there would be too many.
+/// A cloud with at least this spacing of neighbouring points; wider if there would be too many.
 pub fn spaced_cloud(strokes: &[Stroke], device: &str, t_ns: u64, least_step_um: f64) -> PointCloud {
     space_cloud(&strokes.iter().map(SpaceStroke::from).collect::<Vec<_>>(), device, t_ns, least_step_um)
 }
 
-/// As [`spaced_cloud`], in space and in a frame of any name.
+/// As [`spaced_cloud`], in space and in any frame.
 pub fn space_cloud(strokes: &[SpaceStroke], frame: &str, t_ns: u64, least_step_um: f64) -> PointCloud {
     let lengths =
         strokes.iter().flat_map(|stroke| stroke.corners.windows(2)).map(|pair| nalgebra::distance(&pair[0], &pair[1]));

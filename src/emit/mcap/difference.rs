@@ -1,4 +1,4 @@
-//! Holds a log against the one that its schedule gives: whatever was edited shows up here.
+//! Compares a log with the one that its schedule gives, so that edits show up.
 
 use super::{LIBRARY, LogTopic, Provenance, Signals};
 use crate::diagnostic::{Code, Diagnostic};
@@ -6,10 +6,10 @@ use crate::log;
 use crate::verify::Verified;
 use std::io::{self, Write};
 
-/// The difference between a log and the one written from a schedule, or nothing if they are the same byte for byte.
+/// The difference between a log and the one written from a schedule; `None` if they are the same byte for byte.
 ///
-/// Names the first message that differs, is missing or is superfluous, by topic and time; or else the part that differs. The
-/// log may be anything: unreadable parts count as different.
+/// Names the first message that differs, is missing or is superfluous, by topic and time, or else the part that
+/// differs. The log may be anything: unreadable parts count as different.
 pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance) -> Option<String> {
     let mut comparison = Comparison::with(log_bytes);
     let topics = super::read_topics(verified).map(|(topics, _)| topics);
@@ -28,7 +28,7 @@ pub fn difference(log_bytes: &[u8], verified: &Verified, provenance: &Provenance
     }
 }
 
-/// Receives the bytes written and compares them with the log, so that no second log is held in memory.
+/// Receives the written bytes and compares them with the log, so that no second log is held in memory.
 pub(super) struct Comparison<'a> {
     /// The part of the log not yet compared.
     rest: &'a [u8],
@@ -40,7 +40,7 @@ impl<'a> Comparison<'a> {
         Comparison { rest: bytes, differs: false }
     }
 
-    /// Whether all bytes were written, and no others.
+    /// Whether exactly the bytes of the log were written.
     pub fn is_whole(&self) -> bool {
         self.rest.is_empty() && !self.differs
     }
@@ -65,7 +65,7 @@ impl Write for Comparison<'_> {
     }
 }
 
-/// For the person at the terminal.
+/// The diagnostic for the terminal.
 pub fn difference_diagnostic(difference: &str) -> Diagnostic {
     Diagnostic::new(Code::E0847, format!("the log shows something else than its schedule: {difference}"))
         .help("the log was changed after it was written: build the program again")
@@ -105,7 +105,7 @@ impl MessageComparison {
         };
     }
 
-    /// The first difference, all messages of the log having been compared.
+    /// The first difference, after all messages of the log were compared.
     fn found(self) -> Option<String> {
         let rest = self.topics.iter().zip(&self.seen);
         let missing =

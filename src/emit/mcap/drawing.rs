@@ -8,8 +8,7 @@ use super::foxglove::{
 use crate::geometry::shape::{Core, Rounded};
 use nalgebra::{Point2, Vector2};
 
-/// Colours of pictures; chosen to be distinguishable for the colour-blind (after Okabe and Ito) and on dark and
-/// light ground.
+/// Colours of pictures, distinguishable for the colour-blind (after Okabe and Ito) and on dark and light ground.
 pub mod color {
     use super::Color;
 
@@ -21,7 +20,7 @@ pub mod color {
     pub const STOP: Color = Color { r: 0.0, g: 0.62, b: 0.45, a: 1.0 };
     pub const TIP: Color = Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 };
 
-    /// The colours that things of one sort take turns in.
+    /// Colours that are cycled through by items of one sort.
     const TURNS: [Color; 6] = [
         Color { r: 0.34, g: 0.71, b: 0.91, a: 1.0 },
         Color { r: 0.9, g: 0.62, b: 0.0, a: 1.0 },
@@ -31,13 +30,13 @@ pub mod color {
         Color { r: 0.94, g: 0.89, b: 0.26, a: 1.0 },
     ];
 
-    /// The colour of one of several things of a sort, by its index.
+    /// The colour of an item of a sort, by its index.
     pub fn in_turn(index: usize) -> Color {
         TURNS[index % TURNS.len()]
     }
 }
 
-/// Greatest number of corners of a polygon that is filled; the cost of filling is quadratic in their number.
+/// Greatest number of corners of a filled polygon; the cost of filling is quadratic in it.
 const MAX_FILLED_CORNERS: usize = 2000;
 
 /// Diameter of the mark for an object without extent, in micrometres.
@@ -51,7 +50,7 @@ pub struct Slab {
     pub color: Color,
 }
 
-/// An entity without anything in it.
+/// An empty entity.
 pub fn entity(id: String, frame: &str, t_ns: u64) -> SceneEntity {
     SceneEntity {
         timestamp: foxglove::timestamp(t_ns),
@@ -62,7 +61,7 @@ pub fn entity(id: String, frame: &str, t_ns: u64) -> SceneEntity {
     }
 }
 
-/// Takes an entity away.
+/// Removes an entity.
 pub fn deletion(id: &str, t_ns: u64) -> SceneEntityDeletion {
     SceneEntityDeletion {
         timestamp: foxglove::timestamp(t_ns),
@@ -94,11 +93,11 @@ pub fn body(entity: &mut SceneEntity, body: &Rounded, slab: Slab) {
     }
 }
 
-/// Steps of the grid that turned shapes are drawn on, for each micrometre. The last bits of sines differ between machines, and
-/// a log must not.
+/// Grid steps per micrometre for turned shapes. The last bits of sines differ between machines, and those of a log must
+/// not.
 const GRID_PER_UM: f64 = 1e6;
 
-/// A body with its points moved to the nearest point of a grid of one picometre.
+/// A body with its points snapped to a grid of one picometre.
 pub fn on_grid(body: Rounded) -> Rounded {
     let core = match body.core {
         Core::Point(point) => Core::Point(snap(point)),
@@ -108,12 +107,12 @@ pub fn on_grid(body: Rounded) -> Rounded {
     Rounded { core, ..body }
 }
 
-/// The nearest point of the grid.
+/// The nearest grid point.
 pub fn snap(point: Point2<f64>) -> Point2<f64> {
     point.map(snapped)
 }
 
-/// The nearest number of the grid.
+/// The nearest grid coordinate.
 pub fn snapped(value: f64) -> f64 {
     (value * GRID_PER_UM).round() / GRID_PER_UM
 }
@@ -123,7 +122,7 @@ pub fn top_um(body: &Rounded) -> f64 {
     body.core.corners().iter().map(|point| point.y).fold(f64::NEG_INFINITY, f64::max) + body.radius_um
 }
 
-/// Adds a cylinder that stands upright.
+/// Adds an upright cylinder.
 pub fn disc(entity: &mut SceneEntity, centre: Point2<f64>, radius_um: f64, slab: Slab) {
     if radius_um <= 0.0 {
         return;
@@ -154,7 +153,7 @@ fn bar(entity: &mut SceneEntity, a: Point2<f64>, b: Point2<f64>, radius_um: f64,
     });
 }
 
-/// Adds an upright box by its lower and upper corner.
+/// Adds an upright box between its lower and upper corner.
 pub fn cuboid(entity: &mut SceneEntity, low: [f64; 2], high: [f64; 2], slab: Slab) {
     entity.cubes.push(CubePrimitive {
         pose: foxglove::pose_at([
@@ -192,8 +191,8 @@ fn edges(corners: &[Point2<f64>]) -> impl Iterator<Item = (Point2<f64>, Point2<f
     corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
 }
 
-/// Fills a simple polygon by ear clipping (Meisters, *Polygons have ears*, 1975). A polygon that crosses itself, or has too many
-/// corners, is filled as far as ears are found; its outline is drawn anyway.
+/// Triangulates a simple polygon by ear clipping (Meisters, *Polygons have ears*, 1975). A polygon that crosses itself
+/// is filled as far as ears are found, and one with too many corners is not filled; the outline is drawn anyway.
 pub fn triangles(corners: &[Point2<f64>]) -> Vec<[Point2<f64>; 3]> {
     let mut rest = match corners.len() {
         0..=MAX_FILLED_CORNERS => corners.to_vec(),
@@ -244,7 +243,7 @@ pub fn line(
     });
 }
 
-/// Adds an arrow from a point along a vector, as long as that.
+/// Adds an arrow from a point along a vector, as long as the vector.
 pub fn arrow(entity: &mut SceneEntity, from: [f64; 3], along: Vector3, diameter_um: f64, color: Color) {
     let length_um = (along.x * along.x + along.y * along.y + along.z * along.z).sqrt();
     if length_um <= 0.0 {

@@ -1,4 +1,4 @@
-//! The only place that knows the `foxglove` crate: its message types, and how one becomes bytes.
+//! The only module that uses the `foxglove` crate: its message types and their encoding.
 //!
 //! The crate is young and pinned exactly; compare logs before and after raising the pin.
 
@@ -22,7 +22,7 @@ pub fn encode<T: prost::Message>(message: &T) -> Vec<u8> {
     message.encode_to_vec()
 }
 
-/// An instant of the schedule; the log's clock begins at 0. It stops after 136 years.
+/// An instant of the schedule as a timestamp; the log's clock begins at 0. It saturates after 136 years.
 pub fn timestamp(t_ns: u64) -> Option<Timestamp> {
     let seconds = u32::try_from(t_ns / 1_000_000_000).unwrap_or(u32::MAX);
     Timestamp::new_checked(seconds, (t_ns % 1_000_000_000) as u32)
@@ -35,7 +35,8 @@ pub fn pose_at(place: [f64; 3]) -> Option<Pose> {
 
 /// A pose turned about z, so that its x axis has the direction of a unit vector in the plane.
 ///
-/// The half angle's sine and cosine come from square roots, which are the same on every machine; those of angles are not.
+/// The sine and cosine of the half angle come from square roots, which are the same on every machine; those of angles
+/// are not.
 pub fn turned_pose([x, y, z]: [f64; 3], [cos, sin]: [f64; 2]) -> Option<Pose> {
     let half = |cos: f64| ((1.0 + cos) / 2.0).max(0.0).sqrt();
     let orientation = Quaternion { x: 0.0, y: 0.0, z: half(-cos).copysign(sin), w: half(cos) };
@@ -44,7 +45,8 @@ pub fn turned_pose([x, y, z]: [f64; 3], [cos, sin]: [f64; 2]) -> Option<Pose> {
 
 /// A pose whose x axis has the direction of a unit vector.
 pub fn pointed_pose([x, y, z]: [f64; 3], [u, v, w]: [f64; 3]) -> Option<Pose> {
-    // Shortest rotation from x to the vector, by its half angle; for the opposite direction any perpendicular axis will do.
+    // Shortest rotation from x to the vector, by its half angle; for the opposite direction any perpendicular axis will
+    // do.
     let half = ((1.0 + u) / 2.0).max(0.0).sqrt();
     let orientation = match half {
         0.0 => Quaternion { x: 0.0, y: 0.0, z: 1.0, w: 0.0 },

@@ -1,4 +1,4 @@
-//! Frames of devices and of the objects that they move, over time.
+//! Coordinate frames of devices and of the objects that they move, over time.
 //!
 //! Devices that a scene places have their frame there; pictures put the others side by side along x.
 
@@ -8,7 +8,7 @@ use crate::real::Real;
 use foxglove::{FrameTransform, FrameTransforms, PointCloud, Pose, Quaternion, Vector3};
 use std::collections::BTreeMap;
 
-/// Where something stands, and how it is turned.
+/// Position and orientation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StandingPose {
     pub place: [f64; 3],
@@ -16,24 +16,24 @@ pub struct StandingPose {
     turn: [f64; 4],
 }
 
-/// Steps of the grid that quaternions are rounded to: their last bits differ between machines, and a log must not.
+/// Rounding grid of quaternions: their last bits differ between machines, and those of a log must not.
 const GRID: f64 = 1e9;
 
 impl StandingPose {
-    /// Without rotation.
+    /// A pose without rotation.
     pub fn at(place: [f64; 3]) -> StandingPose {
         StandingPose { place, turn: [1.0, 0.0, 0.0, 0.0] }
     }
 
-    /// Turned about z by an angle, counter-clockwise.
+    /// A pose turned about z by an angle, counter-clockwise.
     pub fn turned(place: [f64; 3], heading_rad: f64) -> StandingPose {
         let (sin, cos) = (heading_rad / 2.0).sine_cosine();
         StandingPose::oriented(place, [cos, 0.0, 0.0, sin])
     }
 
-    /// Turned by a unit quaternion w, x, y, z.
+    /// A pose turned by a unit quaternion w, x, y, z.
     pub fn oriented(place: [f64; 3], turn: [f64; 4]) -> StandingPose {
-        // Not minus zero.
+        // Adding 0 turns minus zero into zero.
         StandingPose { place, turn: turn.map(|value| (value * GRID).round() / GRID + 0.0) }
     }
 
@@ -53,7 +53,7 @@ impl StandingPose {
     }
 }
 
-/// Where something is, if it is still there.
+/// The pose of something; `None` once it is gone.
 pub type FramePlace = Option<StandingPose>;
 
 /// Something that moves in the frame of its device.
@@ -61,17 +61,18 @@ pub struct Mover {
     /// Its own frame.
     pub frame: String,
     pub device: String,
-    /// Its places from each instant on, in order of time; `None` where it is no longer there.
+    /// Its poses from each instant on, in order of time; `None` where it is gone.
     pub places: Vec<(u64, FramePlace)>,
-    /// Its outline in its own frame; empty where another topic shows it.
+    /// Its outline in its own frame; empty if another topic shows it.
     pub outline: Vec<SpaceStroke>,
 }
 
-/// Points along an outline, approximately.
+/// Approximate number of points along an outline.
 const OUTLINE_POINTS: f64 = 300.0;
 
 impl Mover {
-    /// `/<frame>/points`: the outline as points that go with the frame, for viewers that show no scenes; no points while it is gone.
+    /// `/<frame>/points`: the outline as points that move with the frame, for viewers that show no scenes; no points
+    /// while it is gone.
     pub(in crate::emit) fn points(&self) -> Option<LogTopic> {
         if self.outline.is_empty() {
             return None;
@@ -91,8 +92,8 @@ impl Mover {
     }
 }
 
-/// `/tf`: all frames whenever one of them moves, since a viewer that jumps in time reads the last message only. `stands` are the frames of
-/// devices.
+/// `/tf`: all frames whenever one of them moves, since a viewer that jumps in time reads the last message only.
+/// `stands` are the frames of devices.
 pub fn topic(stands: &[(&str, StandingPose)], movers: &[Mover]) -> LogTopic {
     let mut moves: BTreeMap<u64, Vec<(usize, FramePlace)>> = BTreeMap::new();
     for (index, mover) in movers.iter().enumerate() {
@@ -100,7 +101,7 @@ pub fn topic(stands: &[(&str, StandingPose)], movers: &[Mover]) -> LogTopic {
             moves.entry(*t_ns).or_default().push((index, *place));
         }
     }
-    // Of long assays few parts of many are there at a time.
+    // In long assays few of the many parts are present at a time.
     let mut present: BTreeMap<usize, StandingPose> = BTreeMap::new();
     let mut messages = Vec::new();
     for (t_ns, moved) in moves {

@@ -1,7 +1,7 @@
-//! A layout of Lichtblick beside a log: each device from above, its plots, the text of the program, all to be seen without set-up.
+//! A Lichtblick layout beside a log: each device from above, its plots and the text of the program, without set-up.
 //!
-//! A panel in three dimensions for each device, whose camera sees the box of its scene; a small one that follows the first thing that
-//! moves; plots of what changes; the log. Lichtblick imports the file by "Import from file…" in its menu of layouts.
+//! It has a 3D panel for each device, whose camera sees the box of its scene, a small one that follows the first mover,
+//! plots of what changes, and the log. Lichtblick imports the file by "Import from file…" in its menu of layouts.
 
 use super::foxglove::PointCloud;
 use super::frames::Mover;
@@ -21,10 +21,10 @@ const MAX_LINES: usize = 16;
 /// The field of view of the cameras, in degrees.
 const FIELD_OF_VIEW_DEG: f64 = 45.0;
 
-/// Distance of a camera from what it must see, as a multiple of its size: at 45 degrees it sees 0.83 of its distance.
+/// Distance of a camera from its scene, as a multiple of the scene's size: at 45 degrees it sees 0.83 of its distance.
 const DISTANCE_PER_SIZE: f64 = 1.4;
 
-/// What the small panel shows, as a part of the size of the scene.
+/// Extent shown by the small panel, as a share of the size of the scene.
 const INSET_PART: f64 = 0.15;
 
 /// The bytes of the file.
@@ -58,14 +58,14 @@ pub(super) fn write(verified: &Verified, topics: &[LogTopic], movers: &[Mover]) 
     text.into_bytes()
 }
 
-/// The settings of all panels, by their ids.
+/// The settings of all panels, by id.
 #[derive(Default)]
 struct Panels {
     configs: serde_json::Map<String, Value>,
 }
 
 impl Panels {
-    /// The id of the new panel.
+    /// Adds a panel and returns its id.
     fn add(&mut self, kind: &str, config: Value) -> String {
         let id = format!("{kind}!{}", self.configs.len() + 1);
         self.configs.insert(id.clone(), config);
@@ -73,7 +73,7 @@ impl Panels {
     }
 }
 
-/// Two parts of the window, the first of which takes a share in percent; one of them may be missing.
+/// Splits the window in two, the first part taking a share in percent; one part may be missing.
 fn split(direction: &str, parts: [Option<Value>; 2], percent: u32) -> Option<Value> {
     match parts {
         [Some(first), Some(second)] => {
@@ -83,21 +83,21 @@ fn split(direction: &str, parts: [Option<Value>; 2], percent: u32) -> Option<Val
     }
 }
 
-/// Panels one above the other, of the same height.
+/// Stacks panels of the same height.
 fn stack(ids: &[String]) -> Option<Value> {
     let (first, rest) = ids.split_first()?;
     split("column", [Some(json!(first)), stack(rest)], 100 / ids.len() as u32)
 }
 
-/// Where the scene of a device is, in its own frame.
+/// Location of the scene of a device, in its own frame.
 struct SceneBox {
     middle: [f64; 3],
-    /// Of its longest edge; above zero.
+    /// Length of its longest edge; above zero.
     size: f64,
 }
 
 impl SceneBox {
-    /// From the points that stand in the frame of the device: those of scenery, paths and goals.
+    /// The box around the points in the frame of the device: those of scenery, paths and goals.
     fn of(topics: &[LogTopic], device: &str) -> Option<SceneBox> {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let own = ["scene/points", "plan/points"].map(|what| format!("/{device}/{what}"));
@@ -120,7 +120,7 @@ impl SceneBox {
     }
 }
 
-/// The topics of scenes of a device.
+/// Names of the scene topics of a device.
 fn scenes(topics: &[LogTopic], device: &str) -> Vec<String> {
     let own = format!("/{device}/");
     let of_device =
@@ -128,7 +128,7 @@ fn scenes(topics: &[LogTopic], device: &str) -> Vec<String> {
     of_device.map(|topic| topic.name.clone()).collect()
 }
 
-/// A panel in three dimensions that stands on a frame.
+/// A 3D panel that follows a frame.
 fn view(frame: &str, middle: [f64; 3], size: f64, tilt_deg: f64, shown: &[String]) -> Value {
     let distance = size * DISTANCE_PER_SIZE;
     let topics: serde_json::Map<String, Value> =
@@ -146,7 +146,7 @@ fn view(frame: &str, middle: [f64; 3], size: f64, tilt_deg: f64, shown: &[String
     })
 }
 
-/// A plot for each device: the cells of the parts of a board, otherwise the channels that are driven.
+/// One plot per device: the cells of the parts of a board, otherwise the driven channels.
 fn plots(verified: &Verified, topics: &[LogTopic]) -> Vec<Value> {
     let schedule = verified.schedule();
     let driven = schedule.actuations.iter().filter_map(|actuation| schedule.channels.get(actuation.channel as usize));
@@ -181,7 +181,7 @@ mod tests {
     use crate::emit::mcap::topics_and_movers;
     use crate::emit::{Signals, fixture};
 
-    /// Every panel of three dimensions, with its camera.
+    /// Every 3D panel, with its camera.
     fn views(layout: &Value) -> Vec<&Value> {
         let configs = layout["configById"].as_object().unwrap();
         configs.iter().filter(|(id, _)| id.starts_with("3D!")).map(|(_, config)| config).collect()

@@ -1,7 +1,8 @@
-//! `/log`: the program as it is played, one line of text for each step, one for each operation of an assay, and one for each beat of a
-//! step in which many parts move.
+//! `/log`: the program as it is played. It has one line of text per step, one per operation of an assay, and one per
+//! beat of a step in which many parts move.
 //!
-//! Viewers show the text of an entry, but not its fields for file and line, so the text begins with both: `fetch.twz:20 move to (19, 28)`.
+//! Viewers show the text of an entry but not its fields for file and line, so the text begins with both: `fetch.twz:20
+//! move to (19, 28)`.
 
 use super::{LogTopic, foxglove, pictures};
 use crate::claims::Job;
@@ -9,7 +10,7 @@ use crate::schedule::{Reached, ScheduledStep};
 use crate::verify::Verified;
 use std::collections::BTreeMap;
 
-/// The topic. Steps have the level Info, beats Debug.
+/// The `/log` topic. Steps have the level Info, beats Debug.
 pub fn topic(verified: &Verified) -> LogTopic {
     let schedule = verified.schedule();
     let step_words = |step: &ScheduledStep| {
@@ -42,7 +43,7 @@ fn entry(step: &ScheduledStep, line: u32, t_ns: u64, level: foxglove::log::Level
     (t_ns, foxglove::encode(&line))
 }
 
-/// A step in its own words; where its operations have lines of their own, its first word and their number.
+/// The text of a step; if its operations have lines of their own, its first word and their number.
 fn headline(step: &ScheduledStep) -> String {
     match (step.operations.len(), step.text.split_once(" {")) {
         (0, _) | (_, None) => step.text.clone(),
@@ -50,7 +51,7 @@ fn headline(step: &ScheduledStep) -> String {
     }
 }
 
-/// The operations of a step in which they overlap, at their starts.
+/// The lines of a step's operations, at their starts.
 fn of_operations(step: &ScheduledStep) -> impl Iterator<Item = (u64, Vec<u8>)> + '_ {
     step.operations.iter().map(move |operation| {
         let words = format!("{}: {}", operation.parts.join(", "), operation.text);
@@ -58,7 +59,7 @@ fn of_operations(step: &ScheduledStep) -> impl Iterator<Item = (u64, Vec<u8>)> +
     })
 }
 
-/// The beats of a step, if it has several.
+/// The lines of a step's beats, if it has several.
 fn of_step(beats: &[(u64, String)], step: &ScheduledStep) -> Vec<(u64, Vec<u8>)> {
     let first = beats.partition_point(|(t_ns, _)| *t_ns < step.start_ns);
     let after = beats.partition_point(|(t_ns, _)| *t_ns < step.end_ns()).max(first);

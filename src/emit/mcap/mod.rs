@@ -1,15 +1,16 @@
 //! MCAP: a log that viewers play without set-up, and that `tweeze verify` judges without any other file.
 //!
-//! All messages are protobuf. For each device: `/<device>/voltages` (V) or `/<device>/positions` (um); `/<device>/pose` (of the
-//! end-effector or the held part) and `/<device>/path` (the whole path of an end-effector), `/<device>/pose/<part>` for each part of a
-//! board, or the `poses` of all robots; `/<device>/scene` and `/<device>/plan` (scenery, paths and stops, in three dimensions). Viewers
-//! that show no scenes find points instead: `…/points` of both, and of what moves, in its own frame (`/bot/tip/points`).
-//! For all: `/tf` and `/log` (each step at its start, with file and line in its text, and each beat of a step that has many). Attachments:
-//! `schedule.json`, `claims.json`, every source file as `source/<name>`. The metadata record `tweeze` names the version that wrote the
-//! log, its schema, and its sources. The clock begins at 0.
+//! All messages are protobuf. For each device: `/<device>/voltages` (V) or `/<device>/positions` (um); `/<device>/pose`
+//! (of the end-effector or the held part) and `/<device>/path` (the whole path of an end-effector),
+//! `/<device>/pose/<part>` for each part of a board, or the `poses` of all robots; `/<device>/scene` and
+//! `/<device>/plan` (scenery, paths and stops, in three dimensions). For viewers that show no scenes there are points:
+//! `…/points` of both, and of each mover in its own frame (`/bot/tip/points`). For all: `/tf` and `/log` (each step at
+//! its start, with file and line in its text, and each beat of a step that has many). Attachments: `schedule.json`,
+//! `claims.json`, and every source file as `source/<name>`. The metadata record `tweeze` names the version that wrote
+//! the log, its schema, and its sources. The clock begins at 0.
 //!
-//! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one micrometre, for every
-//! device.
+//! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one
+//! micrometre, for every device.
 
 pub(super) mod bench;
 pub(super) mod cloud;
@@ -42,24 +43,24 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
-/// The scale of pictures, as in the metadata record.
+/// The scale of pictures, as written in the metadata record.
 pub const SCALE: &str = "1 unit of a picture is 1 um";
 
-/// The library, as in the file's header.
+/// The library, as written in the file's header.
 pub const LIBRARY: &str = concat!("tweeze ", env!("CARGO_PKG_VERSION"));
 
-/// Uncompressed size from which on a chunk is closed. Up to this size the bytes of zstd do not depend on its threads.
+/// Uncompressed size at which a chunk is closed. Up to this size the output of zstd does not depend on its threads.
 const CHUNK_BYTES: u64 = 768 * 1024;
 
 const ZSTD_LEVEL: u32 = 3;
 
-/// Bytes of the file before those of a message.
+/// Header bytes of a message in the file.
 const MESSAGE_HEAD_BYTES: u64 = 31;
 
-/// Estimated size of the name and the metadata of a topic, which its chunks repeat.
+/// Estimated size of the name and metadata of a topic, which its chunks repeat.
 const DEFINITION_BYTES: u64 = 64 * 1024;
 
-/// Greatest number of moving things with a topic for their outline.
+/// Greatest number of movers with a topic for their outline.
 const MAX_OUTLINES: usize = 500;
 
 /// The frame that all devices stand in.
@@ -81,25 +82,25 @@ impl LogTopic {
     }
 }
 
-/// What a kind brings to a log, on its orders.
+/// Pictures of a device kind in a log, implemented by its orders.
 pub(super) trait Pictures {
-    /// All topics of a device but its voltages or positions, and what moves.
+    /// All topics of a device except its voltages or positions, and its movers.
     fn topics(&self, verified: &Verified, signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>);
 
-    /// From where to where the picture of the device reaches along x, in its own frame.
+    /// Least and greatest x of the picture of the device, in its own frame.
     fn reach(&self) -> [f64; 2];
 
-    /// Each beat of a step in which many things move: its start, and what moves.
+    /// Each beat of a step in which many things move: its start, and the text of its moves.
     fn beats(&self, _verified: &Verified, _device: &str) -> Vec<(u64, String)> {
         Vec::new()
     }
 
-    /// Tilt of a camera that shows the device, in degrees; 0 from above.
+    /// Camera tilt for the device, in degrees; 0 from above.
     fn tilt_deg(&self) -> f64 {
         0.0
     }
 
-    /// How far right the picture reaches in the scene where a frame stands; `None` for a kind whose devices have none.
+    /// Right edge of the picture in the scene, for a given frame; `None` for a kind whose devices have no frame.
     fn right_in_scene(&self, _frame: &Pose) -> Option<f64> {
         None
     }
@@ -124,7 +125,7 @@ pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<[Vec
     Ok([bytes, layout])
 }
 
-/// The topics of a log that its reader takes, and what moves in it.
+/// The topics of a log, if its reader accepts their size, and its movers.
 fn read_topics(verified: &Verified) -> Result<(Vec<LogTopic>, Vec<Mover>), EmitError> {
     let signals = Signals::new(verified.schedule());
     EmitError::refuse_size(Format::Mcap, voltages::estimated_bytes(&signals), log::MAX_DATA_BYTES)?;
@@ -133,8 +134,8 @@ fn read_topics(verified: &Verified) -> Result<(Vec<LogTopic>, Vec<Mover>), EmitE
     Ok((topics, movers))
 }
 
-/// Writes the log. Its messages together, and the schedule that it carries, may each take several hundred megabytes: the former are
-/// gone before the latter is made.
+/// Writes the log. All messages together, and the schedule that it carries, may each take several hundred megabytes;
+/// the messages are freed before the schedule is serialised.
 fn write_to(
     to: &mut dyn Write,
     topics: Vec<LogTopic>,
@@ -219,7 +220,7 @@ fn metadata(verified: &Verified, provenance: &Provenance) -> records::Metadata {
     records::Metadata { name: METADATA.to_owned(), metadata }
 }
 
-/// Packing options of the file. It is written from beginning to end, so that it can go to any sink.
+/// Write options of the file. It is written sequentially, so it can go to any sink.
 fn options() -> WriteOptions {
     WriteOptions::new()
         .profile("")
@@ -231,7 +232,7 @@ fn options() -> WriteOptions {
         .disable_seeking(true)
 }
 
-/// Writes all messages in order of time; each is gone when it is written.
+/// Writes all messages in order of time, and frees each once written.
 fn write_messages<W: Write + Seek>(writer: &mut Writer<W>, mut topics: Vec<LogTopic>) -> Result<(), McapError> {
     let mut ids = Vec::new();
     for topic in &topics {
@@ -251,7 +252,7 @@ fn write_messages<W: Write + Seek>(writer: &mut Writer<W>, mut topics: Vec<LogTo
     Ok(())
 }
 
-/// Index of the topic and of its message, for all messages in order of time, then of topic.
+/// Indices of topic and message, for all messages in order of time, then of topic.
 fn in_order(topics: &[LogTopic]) -> Vec<(usize, usize)> {
     let of_topic = |(topic, list): (usize, &LogTopic)| {
         (0..list.messages.len()).map(move |message| (topic, message)).collect::<Vec<_>>()

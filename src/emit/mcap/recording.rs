@@ -1,8 +1,9 @@
-//! The recording of a controlled run as MCAP: what was measured, and what was commanded and decided, each line as it was exchanged.
+//! The recording of a controlled run as MCAP: measurements, commands and decisions, each line as it was exchanged.
 //!
-//! Two topics of JSON messages, `/control/measured` and `/control/command`, at the times of the measurements; the source files and the claims are
-//! attached as in the log of a plan, and the metadata record `tweeze-recording` names the version, the program and its settings. Nothing is
-//! in it that depends on a clock, so that the same measurements give the same bytes.
+//! It has two topics of JSON messages, `/control/measured` and `/control/command`, at the times of the measurements.
+//! The source files and the claims are attached as in the log of a plan, and the metadata record `tweeze-recording`
+//! names the version, the program and its settings. Nothing in it depends on a clock, so the same measurements give the
+//! same bytes.
 
 use super::difference::Comparison;
 use super::{CLAIMS, EmitError, Format, LIBRARY, Provenance, SOURCE_PREFIX, attach, options};
@@ -15,20 +16,20 @@ use ::mcap::{McapError, Writer, records};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// Messages after which the file is brought up to date.
+/// Number of messages after which the file is flushed.
 const FLUSHED_MESSAGES: u32 = 100;
 
 /// The schema of both kinds of lines.
 const SCHEMA: &str = include_str!("../../../schema/control.schema.json");
 
-/// A recording in the making.
+/// A recording in progress.
 pub struct Recorder<W: Write> {
     writer: Writer<NoSeek<W>>,
-    /// Numbers of the topics, and how many messages each has.
+    /// Channel id of each topic, and the number of its messages.
     topics: [(u16, u32); 2],
 }
 
-/// A line of the exchange.
+/// Kind of a line of the exchange.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordedLine {
     Measured,
@@ -36,7 +37,7 @@ pub enum RecordedLine {
 }
 
 impl<W: Write> Recorder<W> {
-    /// Begins a recording of the one task of some claims.
+    /// Begins a recording of the single task of some claims.
     ///
     /// # Errors
     /// [`EmitError`] if it cannot be written, or a source file is too large.
@@ -87,7 +88,8 @@ impl<W: Write> Recorder<W> {
     }
 }
 
-/// Whether a file is, byte for byte, the recording of some lines: so nothing else is in it, and viewers show each line at its time.
+/// Whether a file is, byte for byte, the recording of some lines, so that it contains nothing else and viewers show
+/// each line at its time.
 pub fn is_as_recorded(bytes: &[u8], claims: &Claims, provenance: &Provenance, lines: &[RecordedMessage]) -> bool {
     let mut comparison = Comparison::with(bytes);
     again(&mut comparison, claims, provenance, lines).is_ok() && comparison.is_whole()
@@ -113,7 +115,7 @@ fn again(
     recorder.finish().map_err(|error| failed(McapError::Io(error)))
 }
 
-/// Lines of any length fit: only the disk can refuse one.
+/// The I/O error of a failed write. Lines of any length fit, so only the disk can refuse one.
 fn of_disk(error: McapError) -> io::Error {
     match error {
         McapError::Io(error) => error,

@@ -6,13 +6,13 @@ use std::io::Cursor;
 
 type Edit<'a> = &'a mut dyn FnMut(&str, u64, Vec<u8>) -> Vec<Vec<u8>>;
 
-/// The log repacked, with every message replaced by the result of `edit`, and the attachments by that of `attach`.
 /// The topics of a device, as its kind makes them.
 pub fn device_topics(verified: &Verified, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
     let job = verified.claims().jobs.iter().find(|job| job.device == device).expect("a job of the device");
     pictures(&job.order).topics(verified, &Signals::new(verified.schedule()), device)
 }
 
+/// The log repacked, with every message replaced by the result of `edit`, and the attachments changed by `attach`.
 fn edited(bytes: &[u8], edit: Edit, attach: impl Fn(&mut Attachment)) -> Vec<u8> {
     let mut writer = WriteOptions::new().library(LIBRARY).compression(None).create(Cursor::new(Vec::new())).unwrap();
     for message in ::mcap::MessageStream::new(bytes).unwrap() {
@@ -147,7 +147,7 @@ fn the_scene_shows_every_obstacle_twice_and_takes_away_what_is_gone() {
     assert!(updates.iter().all(|update| update.deletions.is_empty()));
 }
 
-/// A second run of the same task, with other obstacles.
+/// Repeats the task with other obstacles.
 fn twice(change: impl FnOnce(&mut Vec<crate::claims::dimibot::DimibotObstacle>)) -> Verified {
     let verified = fixture::fetch().verified;
     let (mut schedule, mut claims) = (verified.schedule().clone(), verified.claims().clone());

@@ -1,16 +1,17 @@
 //! The voltages or positions of a device's channels as a time series that viewers plot by name.
 //!
-//! `/bot/voltages` has volts, `/hand/positions` micrometres; the following applies to both.
+//! `/bot/voltages` is in volts, `/hand/positions` in micrometres; the following applies to both.
 //!
-//! A message type is made for each device. Up to [`MAX_FIELDS`] channels each is a field, so that a plot is selected as
-//! `/bot/voltages.bl4_set`; beyond that they are one list, `/plate/voltages.volts[7]`. The topic's metadata map each field to its
-//! channel and wire. Every message contains all channels, since a missing field reads as 0 V. Just before a
-//! jump, 1 ns earlier, the old values are repeated, so that lines between messages are the signal itself. All values are repeated at
-//! [`BEATS`] besides: viewers draw a few points for each pixel only, and would join the levels of a signal that is logged rarely by slopes.
+//! Each device has its own message type. Up to [`MAX_FIELDS`] channels each is a field, so a plot is selected as
+//! `/bot/voltages.bl4_set`; beyond that they are one list, `/plate/voltages.volts[7]`. The topic's metadata map each
+//! field to its channel and wire. Every message contains all channels, since a missing field reads as 0 V. At 1 ns
+//! before a jump the old values are repeated, so that lines between messages are the signal itself. All values are also
+//! repeated at [`BEATS`], since viewers draw only a few points per pixel and would join the levels of a rarely logged
+//! signal by slopes.
 //!
-//! A channel with drive trains would need a message for every edge, so it has two fields, `/bed/voltages.bed_low` and `…bed_high`:
-//! the lower and the higher level of the current train, the same value twice outside of trains. The topic's metadata name
-//! the level of each field, and the periods of the trains.
+//! A channel with drive trains would need a message for every edge, so it has two fields, `/bed/voltages.bed_low` and
+//! `…bed_high`: the lower and the higher level of the current train, and the same value twice outside trains. The
+//! topic's metadata name the level of each field and the periods of the trains.
 
 use super::{LogTopic, Signals, foxglove};
 use crate::emit::identifier;
@@ -25,10 +26,10 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Greatest number of channels with a field each.
 pub const MAX_FIELDS: usize = 300;
 
-/// Greatest number of bytes of field names: readers limit the size of a message type.
+/// Greatest number of bytes of field names, since readers limit the size of a message type.
 const MAX_NAME_BYTES: usize = 16 * 1024;
 
-/// Parts of the schedule, at whose ends all values are repeated: about one for each pixel of a plot.
+/// Number of equal parts of the schedule at whose ends all values are repeated: about one per pixel of a plot.
 pub const BEATS: u64 = 1000;
 
 /// The instants at which values are repeated.
@@ -36,7 +37,7 @@ pub fn beats(duration_ns: u64) -> impl Iterator<Item = u64> {
     (0..=BEATS).map(move |beat| (u128::from(duration_ns) * u128::from(beat) / u128::from(BEATS)) as u64)
 }
 
-/// Adds the beats to values that hold until the next ones.
+/// Repeats held values at the beats.
 pub fn repeat_held(levels: &mut BTreeMap<u64, Vec<f64>>, duration_ns: u64) {
     for t_ns in beats(duration_ns) {
         if let Some((_, values)) = levels.range(..=t_ns).next_back() {
@@ -46,7 +47,7 @@ pub fn repeat_held(levels: &mut BTreeMap<u64, Vec<f64>>, duration_ns: u64) {
     }
 }
 
-/// The name of the field that lists many channels.
+/// Name of the field that lists many channels.
 fn list(unit: ChannelUnit) -> &'static str {
     match unit {
         ChannelUnit::Volt => "volts",
@@ -54,13 +55,13 @@ fn list(unit: ChannelUnit) -> &'static str {
     }
 }
 
-/// A number of each message.
+/// One number of each message.
 struct MessageColumn {
     channel: usize,
     bound: Bound,
 }
 
-/// The columns of these channels: two for each that swings.
+/// The columns of these channels; two for each that swings.
 fn columns(signals: &Signals, channels: &[usize]) -> Vec<MessageColumn> {
     let of_channel = |&channel: &usize| {
         let bounds: &[Bound] = match signals.swings(channel).next() {
@@ -81,7 +82,7 @@ pub fn estimated_bytes(signals: &Signals) -> u64 {
     signals.devices().iter().map(|(.., channels)| of_device(channels)).sum()
 }
 
-/// The topic of a device's channels of a unit.
+/// The topic of a device's channels of one unit.
 pub fn topic(signals: &Signals, device: &str, unit: ChannelUnit, channels: &[usize]) -> LogTopic {
     let all = &signals.schedule.channels;
     let columns = columns(signals, channels);
@@ -124,7 +125,7 @@ pub fn topic(signals: &Signals, device: &str, unit: ChannelUnit, channels: &[usi
     }
 }
 
-/// The periods of a channel's swings in nanoseconds, each once, in rising order.
+/// The distinct periods of a channel's swings in nanoseconds, in rising order.
 fn periods(signals: &Signals, channel: usize) -> String {
     let periods: BTreeSet<u64> = signals.swings(channel).map(|(_, swing)| swing.period_ns).collect();
     periods.iter().map(u64::to_string).collect::<Vec<_>>().join(" ")
@@ -193,7 +194,7 @@ fn messages(
     times.into_iter().map(at).collect()
 }
 
-/// One field for each value, zero included.
+/// Encodes one field per value, zero included.
 pub fn encode_fields(values: &[f64]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(values.len() * 10);
     for (number, value) in (1..).zip(values) {
@@ -202,7 +203,7 @@ pub fn encode_fields(values: &[f64]) -> Vec<u8> {
     bytes
 }
 
-/// One packed list as field 1.
+/// Encodes one packed list as field 1.
 fn encode_list(values: &[f64]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(values.len() * 8 + 10);
     prost::encoding::double::encode_packed(1, values, &mut bytes);

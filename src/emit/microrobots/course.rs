@@ -1,7 +1,7 @@
 //! Motion of the robots of a bed: the legs of all plans, and poses along them.
 //!
-//! The recorded states are the poses at the start of each leg; between them the robots follow their circles and lines while the
-//! drive train lasts, and otherwise stand still. The number of poses written is bounded for every plan.
+//! The recorded states are the poses at the start of each leg; between them the robots follow their circles and lines
+//! while the drive train lasts, and otherwise stand still. The number of poses is bounded for every plan.
 
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
 use crate::device::microrobots::{Arm, Robot};
@@ -13,24 +13,24 @@ use crate::verify::Verified;
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
-/// Greatest distance of a robot between two poses written, unless there would be too many.
+/// Greatest distance of a robot between two poses, unless there would be too many.
 const STEP_UM: f64 = 20.0;
 
-/// Greatest turn of a robot between two poses written, unless there would be too many.
+/// Greatest turn of a robot between two poses, unless there would be too many.
 const TURN_RAD: f64 = TAU / 72.0;
 
-/// Approximate limit of poses written for all robots, besides those at the ends of legs.
+/// Approximate limit of poses for all robots, besides those at the ends of legs.
 pub const MAX_POSES: usize = 100_000;
 
 /// Rounding of the sum of path lengths, as a share of a turn.
 const TURN_ROUNDING: f64 = 1e-9;
 
-/// Where the nose of a robot begins, from its middle, as a part of its length.
+/// Distance from the middle of a robot to the base of its nose, as a share of its length.
 const NOSE_PART: f64 = 0.2;
 
-/// All that a bed does.
+/// Motion of a bed in all plans.
 pub struct BedCourse<'a> {
-    /// The names of the robots on the bed, in the order of the table.
+    /// Names of the robots on the bed, in the order of the table.
     pub robots: Vec<String>,
     /// In order of time.
     pub plans: Vec<BedPlanCourse<'a>>,
@@ -51,7 +51,7 @@ pub struct BedMoment {
     pub poses: Vec<Pose>,
 }
 
-/// A stretch in one control state; also a wait, and the end of a run.
+/// An interval in one control state; also a wait, and the end of a run.
 pub struct ControlLeg<'a> {
     pub start_ns: u64,
     pub end_ns: u64,
@@ -67,12 +67,12 @@ pub struct ControlLeg<'a> {
 pub struct RobotInLeg {
     pub pose: Pose,
     pub arm: Arm,
-    /// Length of its path in the leg's train.
+    /// Length of its path in the leg's train, in micrometres.
     pub way_um: f64,
     pub is_docked: bool,
 }
 
-/// A disc that a robot sweeps while its arm stays down for a whole turn or more.
+/// The disc that a robot sweeps while its arm stays down for a full turn or more.
 pub struct SweptDisc {
     pub robot: usize,
     pub start_ns: u64,
@@ -95,14 +95,15 @@ impl<'a> BedCourse<'a> {
         for plan in &mut plans {
             plan.moments = moments(plan, most.min(wanted) as f64 / wanted.max(1) as f64);
         }
-        // Before the first task they stand where it begins.
+        // Before the first task the robots stand where it begins.
         if let Some(first) = plans.first_mut().and_then(|plan| plan.moments.first_mut()) {
             first.t_ns = 0;
         }
         BedCourse { robots, plans }
     }
 
-    /// The leg at an instant, with its plan, and the poses of the robots then. Before the first leg they stand where it begins.
+    /// The leg at an instant, with its plan, and the poses of the robots then. Before the first leg they stand where it
+    /// begins.
     pub fn at(&self, t_ns: u64) -> Option<(&BedPlanCourse<'a>, &ControlLeg<'a>, Vec<Pose>)> {
         let begun = self.plans.iter().rfind(|plan| plan.start_ns <= t_ns);
         let plan = begun.or_else(|| self.plans.first())?;
@@ -175,7 +176,7 @@ impl<'a> BedPlanCourse<'a> {
         Some(BedPlanCourse { order, start_ns: plan.start_ns, legs, moments: Vec::new() })
     }
 
-    /// Number of poses wanted for each robot.
+    /// Number of desired poses per robot.
     fn wanted(&self) -> usize {
         self.legs.iter().map(|leg| leg.wanted(self.order)).fold(0, usize::saturating_add)
     }
@@ -211,7 +212,7 @@ impl<'a> BedPlanCourse<'a> {
 }
 
 impl ControlLeg<'_> {
-    /// Number of parts into which its train should be divided.
+    /// Desired number of parts of its train.
     fn wanted(&self, order: &MicrorobotsOrder) -> usize {
         let parts = self.movers.iter().enumerate().map(|(robot, body)| match body.arm {
             Arm::Up => body.way_um / STEP_UM,
@@ -221,7 +222,7 @@ impl ControlLeg<'_> {
         parts.fold(0.0, f64::max).ceil() as usize
     }
 
-    /// All robots where a share of the train is over.
+    /// Poses of all robots after a share of the train.
     fn poses(&self, order: &MicrorobotsOrder, share: f64) -> Vec<Pose> {
         let place = |(robot, body): (usize, &RobotInLeg)| match body.way_um {
             0.0 => body.pose,
@@ -231,7 +232,7 @@ impl ControlLeg<'_> {
     }
 }
 
-/// The poses of a plan, a share of those that are wanted: at its start, at the start of each train, and along it to its end.
+/// A share of the desired poses of a plan: at its start, at the start of each train, and along the train to its end.
 fn moments(plan: &BedPlanCourse, share: f64) -> Vec<BedMoment> {
     let mut moments: Vec<BedMoment> = Vec::new();
     let mut tell = |t_ns: u64, poses: Vec<Pose>| {

@@ -1,4 +1,5 @@
-//! Pictures of microrobots: the bed with its obstacles, the robots with their headings and trails, and where they dock, enlarged.
+//! Pictures of microrobots: the bed with its obstacles, the robots with their headings and trails, and an enlarged view
+//! of the docks.
 
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsObstacle, MicrorobotsOrder};
 use crate::device::microrobots::{Arm, Robot};
@@ -23,17 +24,17 @@ const DOCK_SHARE: f64 = 0.75;
 /// Opacity of a robot on its way.
 const PASSING: f64 = 0.45;
 
-/// Greatest number of goals that are outlined.
+/// Greatest number of outlined goals.
 const MAX_GOALS: usize = 400;
 
-/// All that a bed does, for its panels.
+/// Motion of a bed, shared by its panels.
 struct BedPicture<'a> {
     subject: Subject<'a>,
     course: BedCourse<'a>,
     strobes: Strobes,
 }
 
-/// The whole bed, or what is about the docks.
+/// Panel of the whole bed, or of the area around the docks.
 struct BedPanel<'a> {
     picture: Rc<BedPicture<'a>>,
     part: BedPart,
@@ -81,7 +82,7 @@ impl BedPicture<'_> {
         self.subject.moment_ns.map_or_else(|| self.strobes.instants.clone(), |t_ns| vec![t_ns])
     }
 
-    /// The places of a robot until an instant, or from it on, with the place then.
+    /// The path of a robot over the moments that `is_meant` accepts.
     fn way(&self, robot: usize, is_meant: impl Fn(u64) -> bool) -> Vec<[f64; 2]> {
         let moments = self.course.plans.iter().flat_map(|plan| &plan.moments).filter(|moment| is_meant(moment.t_ns));
         simplified(moments.map(|moment| [moment.poses[robot].x_um, moment.poses[robot].y_um]))
@@ -272,7 +273,7 @@ fn facts_of(panel: &BedPanel, robot: &str, pose: &Pose, t_ns: u64) -> Vec<(&'sta
     ]
 }
 
-/// The arm reaches out at the front, on the side to which the robot turns.
+/// Draws the arm, which reaches out at the front, on the side to which the robot turns.
 fn draw_arm(robot: &Robot, pose: &Pose, view: &PaperView, to: &mut Drawing) {
     let (x, y) = (0.3 * robot.length_um, robot.turning.sign() * robot.width_um);
     let arm = placed(&[Point2::new(x, 0.0), Point2::new(x, y)], pose, view);
@@ -281,7 +282,7 @@ fn draw_arm(robot: &Robot, pose: &Pose, view: &PaperView, to: &mut Drawing) {
     to.disc(arm[1], radius_pt, Ink::filled(color::ALARM).edged(color::INK, HAIR_PT), &[]);
 }
 
-/// Names at the start, at an instant and in the dock; numbers otherwise.
+/// Labels robots: names at the start, at a single instant and in the dock; otherwise strobe numbers.
 fn label_robots(panel: &BedPanel, instants: &[u64], view: &PaperView, to: &mut Drawing) {
     let picture = &panel.picture;
     let Some(order) = picture.order() else { return };
@@ -295,7 +296,7 @@ fn label_robots(panel: &BedPanel, instants: &[u64], view: &PaperView, to: &mut D
         let name = |at, text| PlacedLabel { text, letters: Letters::SMALL.bold(), at, radius_pt, may_cover: false };
         if let (BedPart::Dock, Some(last)) = (panel.part, places.last()) {
             let at = view.at(last.place);
-            // Who is elsewhere is named in the panel of the whole bed.
+            // Robots elsewhere are named in the panel of the whole bed.
             if !view.room.surrounds(at) {
                 continue;
             }

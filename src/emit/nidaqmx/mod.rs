@@ -1,17 +1,19 @@
-//! NI-DAQmx: for each data acquisition card of the program the samples of its lines and outputs, and a program that plays them.
+//! NI-DAQmx: for each data acquisition card of the program the samples of its lines and outputs, and a program that
+//! plays them.
 //!
-//! `<name>.<instrument>.daq` is a text: lines that begin with `#`, a line of titles, then one line for each stretch of equal samples,
-//! with tabs between its columns: how many samples, the word of each port with a bit for each line, the volts of each analog output.
-//! `<name>.nidaqmx.py` plays all of them with the `nidaqmx` package of National Instruments: every card on its sample clock, lines
-//! and outputs of one card on the same clock, from one start. Before it, at the end, on an error and on Ctrl-C it puts lines and
-//! voltages to rest; the outputs of stages keep what they have.
+//! `<name>.<instrument>.daq` is a text: lines that begin with `#`, a line of titles, then one line for each run of
+//! equal samples. Its columns are separated by tabs: the number of samples, the word of each port with a bit for each
+//! line, and the volts of each analog output. `<name>.nidaqmx.py` plays all of them with the `nidaqmx` package of
+//! National Instruments: every card on its sample clock, lines and outputs of one card on the same clock, from one
+//! start. Before the start, at the end, on an error and on Ctrl-C it puts lines and voltages to rest; the outputs of
+//! stages keep their values.
 //!
-//! A schedule that waits for inputs or people has a file for each part of it, `<name>.<instrument>.1.daq` and so on, whose last sample
-//! is what the wait holds.
+//! A schedule that waits for inputs or people has a file for each part, `<name>.<instrument>.1.daq` and so on, whose
+//! last sample is held during the wait.
 //!
-//! The sample period is the greatest common divisor of all times, so that every edge of a voltage falls on a sample; the first
-//! sample is the instant 0. After the schedule there is one sample of rest: 0 V and lines off, unless a channel rests at another voltage, stages at their last position. Stages
-//! are sampled as for generators.
+//! The sample period is the greatest common divisor of all times, so that every edge of a voltage falls on a sample;
+//! the first sample is instant 0. After the schedule there is one sample of rest: 0 V and lines off unless a channel
+//! rests at another voltage, and stages at their last position. Stages are sampled as for generators.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
@@ -25,13 +27,13 @@ use crate::schedule::Schedule;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-/// Most samples of a card: the sender has all of them in memory.
+/// Most samples of a card, since the sender holds all of them in memory.
 const MOST_SAMPLES: u64 = 10_000_000;
 
 /// Estimated bytes of a column in a line.
 const COLUMN_BYTES: u64 = 12;
 
-/// The sender, with an empty list of cards where the marker is.
+/// The sender, with an empty list of cards at the marker.
 const SENDER: &str = include_str!("send.py");
 
 /// The files, each with its ending.
@@ -48,7 +50,7 @@ pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String,
     })
 }
 
-/// A card with what it plays.
+/// A card with the signals of its outputs.
 struct Card<'a> {
     wired: &'a WiredInstrument<'a>,
     facts: &'a DataAcquisitionFacts,
@@ -60,7 +62,7 @@ struct Card<'a> {
     analog: BTreeMap<u32, usize>,
 }
 
-/// Ports by number with their words, and volts of the analog outputs, at one sample.
+/// Port words by port number, and volts of the analog outputs, at one sample.
 #[derive(PartialEq)]
 struct CardLevels {
     words: BTreeMap<u32, u32>,
@@ -106,12 +108,12 @@ impl<'a> Card<'a> {
         Ok(Card { wired, facts, signals, period_ns, lines, analog })
     }
 
-    /// Samples of the schedule, without the one of rest.
+    /// Number of samples of the schedule, without the one of rest.
     fn samples(&self) -> u64 {
         self.signals.schedule.duration_ns.div_ceil(self.period_ns)
     }
 
-    /// The levels at a sample; after the schedule, of rest.
+    /// The levels at a sample; after the schedule, those of rest.
     fn levels(&self, sample: u64) -> CardLevels {
         let t_ns = (sample * self.period_ns).min(self.signals.schedule.duration_ns);
         let at_output = |channel: usize| self.wired.drives[channel].link.at_output(self.signals.value(channel, t_ns));
@@ -124,7 +126,7 @@ impl<'a> Card<'a> {
         CardLevels { words, volts: self.analog.values().map(|channel| at_output(*channel)).collect() }
     }
 
-    /// The first sample of each stretch of equal ones: where something changes, or every one while a stage moves.
+    /// The first sample of each run of equal ones: where something changes, or every sample while a stage moves.
     fn changes(&self) -> BTreeSet<u64> {
         let mut changes = BTreeSet::from([0, self.samples()]);
         for actuation in &self.signals.schedule.actuations {
@@ -181,7 +183,7 @@ impl<'a> Card<'a> {
         self.lines.keys().map(|(port, _)| *port).collect::<BTreeSet<u32>>().into_iter()
     }
 
-    /// What the sender must know.
+    /// Data for the sender.
     fn listing(&self, ending: &str) -> serde_json::Value {
         let lines: Vec<String> = self.lines.keys().map(|(port, line)| format!("port{port}/line{line}")).collect();
         let line_rests: Vec<bool> = self
@@ -193,7 +195,7 @@ impl<'a> Card<'a> {
             .analog
             .iter()
             .map(|(output, channel)| {
-                // A stage stays where it is: to send it elsewhere at once could harm what it holds.
+                // A stage stays where it is: sending it elsewhere at once could harm what it holds.
                 let rest_v =
                     self.signals.rest_v(*channel).map(|rest_v| self.wired.drives[*channel].link.at_output(rest_v));
                 serde_json::json!({ "output": format!("ao{output}"), "rest_v": rest_v })

@@ -6,7 +6,7 @@ use crate::emit::{emit, fixture};
 use crate::schedule::{Channel, ChannelUnit};
 use crate::source::Span;
 
-/// All voltages of a fixture on lines, positions on analog outputs.
+/// All voltages of a fixture on digital lines, positions on analog outputs.
 pub fn on_card(fixture: FixtureSchedule, digital_rate_hz: f64) -> FixtureSchedule {
     let voltage = Some(VoltageOutput { peak_v: 10.0, bits: 16, rate_hz: 719e3 });
     let facts =
@@ -38,7 +38,7 @@ fn text(fixture: &FixtureSchedule) -> String {
     String::from_utf8(files[0].bytes.clone()).expect("a text")
 }
 
-/// The lines without comments and titles, each with its cells.
+/// The lines without comments and titles, split into cells.
 fn rows(text: &str) -> Vec<Vec<String>> {
     let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
     rows.map(|row| row.split('\t').map(str::to_owned).collect()).collect()
@@ -88,7 +88,7 @@ fn what_a_card_cannot_play_is_refused() {
     assert!(emit(Format::Nidaqmx, &slow(20e3).verified, &slow(20e3).provenance).is_ok());
 }
 
-/// Nothing changes after the last edge, so that the end of the schedule needs no sample of its own.
+/// Nothing changes after the last edge, so the end of the schedule needs no sample of its own.
 #[test]
 fn an_end_between_samples_is_played_to_the_next_one() {
     let later = on_card(fixture::fetch(), 1e6).changed(|schedule| schedule.duration_ns += 1);

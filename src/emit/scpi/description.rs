@@ -1,4 +1,4 @@
-//! What a script plays, for the person who connects the instrument.
+//! Description of a script, for the person who connects the instrument.
 
 use super::sequence::Sequence;
 use super::{ASK_ERROR, BEGIN, Generator, Playing, REST, SWITCH_OFF, numbered, segment_name};
@@ -9,7 +9,7 @@ use crate::schedule::ChannelUnit;
 use std::fmt::Write as _;
 
 impl Generator<'_> {
-    /// The text beside the script.
+    /// The text file beside the script.
     pub(super) fn description(&self) -> String {
         let schedule = self.signals.schedule;
         let (name, instrument) = (&schedule.name, self.wired.name);
@@ -56,7 +56,7 @@ impl Generator<'_> {
         text
     }
 
-    /// What to do by hand at the end; without the voltage of its output a stage would run to its zero.
+    /// Manual steps at the end; without the voltage of its output a stage would run to its zero.
     fn at_end(&self) -> String {
         let off =
             self.outputs.iter().enumerate().filter(|(_, output)| !matches!(output.link, Link::StageDriver { .. }));
@@ -72,14 +72,14 @@ impl Generator<'_> {
         }
     }
 
-    /// Between two neighbouring codes of the instrument's own bits, in the channel's unit.
+    /// Step between two neighbouring codes at the instrument's resolution, in the channel's unit.
     fn least_step(&self, span_v: f64, link: Link) -> f64 {
         let codes = f64::from(2_u32.saturating_pow(self.facts.voltage.bits) - 2);
         let step_v = span_v / codes;
         significant((link.value(step_v) - link.value(0.0)).abs(), 3)
     }
 
-    /// How the outputs of positions are sampled.
+    /// Sampling of the position outputs.
     fn stages(&self) -> String {
         let Some(step_um) = self.sampling.step_um(&self.signals) else { return String::new() };
         format!(
@@ -113,7 +113,7 @@ impl Generator<'_> {
     }
 }
 
-/// What stands between an output and its channel.
+/// The link between an output and its channel.
 fn behind(link: Link) -> String {
     match link {
         Link::Amplifier { gain: 1.0, .. } => "nothing".to_owned(),
@@ -130,7 +130,7 @@ fn seconds(t_ns: u64) -> String {
     format!("{}.{:09}", t_ns / 1_000_000_000, t_ns % 1_000_000_000)
 }
 
-/// The steps of a sequence; samples count from the trigger.
+/// Lists the steps of a sequence; samples count from the trigger.
 fn list(text: &mut String, output: u32, sequence: &Sequence) {
     let mut sample = 0;
     for (number, step) in (1..).zip(&sequence.steps) {

@@ -1,23 +1,27 @@
-//! SCPI: for each waveform generator of the program a script that uploads what its outputs play, and a program that sends them.
+//! SCPI: for each waveform generator of the program a script that uploads what its outputs play, and a program that
+//! sends them.
 //!
-//! `<name>.<instrument>.scpi` has the messages to send, each ended by a line feed; samples are IEEE 488.2 definite-length
-//! blocks, so the file is no text. `<name>.<instrument>.scpi.txt` describes what it plays, since SCPI has no comments.
-//! `<name>.scpi.py` sends all of them with PyVISA, reads the error queue after each message, starts them, and switches the outputs off
-//! at the end, on an error and on Ctrl-C, but for those of stages, which keep their voltage. The commands are those of the Keysight 33500 and 33600 series.
+//! `<name>.<instrument>.scpi` has the messages to send, each ended by a line feed; samples are IEEE 488.2
+//! definite-length blocks, so the file is not text. `<name>.<instrument>.scpi.txt` describes it, since SCPI has no
+//! comments. `<name>.scpi.py` sends all scripts with PyVISA, reads the error queue after each message, and starts the
+//! instruments. At the end, on an error and on Ctrl-C it switches the outputs off, except those of stages, which keep
+//! their voltage. The commands are those of the Keysight 33500 and 33600 series.
 //!
-//! What an output gives is the channel's value before the amplifier or the stage's driver of its wire. Its codes span the
-//! range that it uses, since the instrument allows its full amplitude to waveforms of the full range only; an output with one
-//! value all the time is a DC source. The filter is off: it would ring at edges and eat drive trains.
+//! An output gives the channel's value before the amplifier or the stage driver of its wire. Its codes span the range
+//! that it uses, since the instrument allows its full amplitude only to waveforms of the full range; an output with a
+//! single value is a DC source. The filter is off: it would ring at edges and swallow drive trains.
 //!
-//! The sample period is the greatest common divisor of all times, or a part of it, so that every edge falls on a sample. One sample at rest
-//! comes before the schedule and one after it: a generator waits at its first sample and rests at its last, and an actuator
-//! left under voltage burns. An output that does not rest at 0 V stays on as a DC source when all is over. A channel of positions waits at its first one and rests at its last one. Straight lines are sampled:
-//! between two samples no stage moves by more than `SAMPLE_UM` or, where the instrument's memory is too small for that, than the
-//! tolerance of its device; the description gives the distance.
+//! The sample period is the greatest common divisor of all times, or a fraction of it, so that every edge falls on a
+//! sample. One sample at rest comes before the schedule and one after it: a generator waits at its first sample and
+//! rests at its last, and an actuator left under voltage burns. An output that does not rest at 0 V stays on as a DC
+//! source at the end. A channel of positions waits at its first position and rests at its last one. Straight lines are
+//! sampled: between two samples no stage moves by more than `SAMPLE_UM` or, if the instrument's memory is too small for
+//! that, than the tolerance of its device; the description gives the distance.
 //!
-//! Where a channel has drive trains, the schedule waits for inputs or people, or several instruments play together, all outputs of the instrument play sequences instead: a train is one segment and the number of its
-//! repetitions, a wait a segment that holds its value until the next trigger. Such a segment is played to its end before a trigger counts,
-//! and so samples are fine enough for it to be short, as far as rate and memory allow.
+//! If a channel has drive trains, the schedule waits for inputs or people, or several instruments play together, all
+//! outputs of the instrument play sequences instead. A train is then one segment with its number of repetitions, and a
+//! wait is a segment that holds its value until the next trigger. A trigger counts only after that segment was played
+//! to its end, so samples are fine enough to keep it short, as far as rate and memory allow.
 
 mod description;
 mod sequence;
@@ -34,25 +38,26 @@ use sequence::{Sequence, sequence};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// The code of the highest voltage of an output; its negative is that of the lowest. Codes travel as 16 bits, signed, most
-/// significant byte first.
+/// The code of the highest voltage of an output; its negative is that of the lowest. Codes are sent as signed 16-bit
+/// integers, most significant byte first.
 const FULL_SCALE: i16 = i16::MAX;
 
 /// Most times that one step repeats its segment.
 const MOST_REPEATS: u64 = 1_000_000;
 
-/// How long a segment that waits for a trigger lasts at most, in nanoseconds: little beside what a sender's message takes.
+/// Greatest duration of a segment that waits for a trigger, in nanoseconds: short beside the time of a sender's
+/// message.
 const MOST_WAITING_NS: u64 = 1_000_000;
 
-/// Where in a segment the marker rises: the first sample that the 33500 series takes.
+/// Sample of a segment at which the marker rises: the first that the 33500 series accepts.
 const MARKER_POINT: u64 = 4;
 
 /// Sent once at the beginning.
 const PREPARE: [&str; 3] = ["*RST", "*CLS", ":FORM:BORD NORM"];
 
-/// Sent for each output that plays a waveform. `{output}` is its number, `{segment}` the name of its waveform, `{block}` the samples,
-/// `{rate}` how many of them it plays in a second, `{span}` the voltage between the lowest and the highest code, `{middle}` that of
-/// code 0.
+/// Sent for each output that plays a waveform. `{output}` is its number, `{segment}` the name of its waveform,
+/// `{block}` the samples, `{rate}` the sample rate, `{span}` the voltage between the lowest and the highest code,
+/// `{middle}` the voltage of code 0.
 const UPLOAD_WAVEFORM: [&str; 13] = [
     ":SOUR{output}:DATA:VOL:CLE",
     ":SOUR{output}:DATA:ARB:DAC {segment},{block}",
@@ -69,8 +74,8 @@ const UPLOAD_WAVEFORM: [&str; 13] = [
     ":SOUR{output}:BURS:STAT ON",
 ];
 
-/// Sent for each output that plays a sequence: the command with `{block}` for each segment, `{segment}` being its name; in the others
-/// that is the name of the sequence. `{steps}` stands for the sequence.
+/// Sent for each output that plays a sequence. The command with `{block}` is sent for each segment, with `{segment}` as
+/// its name; elsewhere `{segment}` is the name of the sequence. `{steps}` stands for the sequence.
 const UPLOAD_SEQUENCE: [&str; 11] = [
     ":SOUR{output}:DATA:VOL:CLE",
     ":SOUR{output}:DATA:ARB:DAC {segment},{block}",
@@ -85,7 +90,7 @@ const UPLOAD_SEQUENCE: [&str; 11] = [
     ":TRIG{output}:SOUR {source}",
 ];
 
-/// Sent for each output with one value all the time.
+/// Sent for each output with a single value.
 const UPLOAD_CONSTANT: [&str; 3] =
     [":OUTP{output}:LOAD INF", ":SOUR{output}:FUNC DC", ":SOUR{output}:VOLT:OFFS {middle}"];
 
@@ -95,19 +100,19 @@ const ASK_ERROR: &str = ":SYST:ERR?";
 /// Sent where other instruments begin with this one: its trigger output rises when the outputs begin.
 const LEAD: [&str; 2] = [":OUTP:TRIG:SLOP POS", ":OUTP:TRIG ON"];
 
-/// Sent for each output, when all uploads are done.
+/// Sent for each output after all uploads.
 const SWITCH_ON: &str = ":OUTP{output} ON";
 
 /// Sent for each output at the end and on an error.
 const SWITCH_OFF: &str = ":OUTP{output} OFF";
 
-/// Sent instead for an output that does not rest at 0 V: a DC source of `{rest}`, at once.
+/// Sent instead for an output that does not rest at 0 V: a DC source of `{rest}`, immediately.
 const REST: &str = ":SOUR{output}:APPL:DC DEF,DEF,{rest}";
 
-/// Begins, where the sender starts the instrument.
+/// Starts the instrument if the sender starts it.
 const BEGIN: &str = "*TRG";
 
-/// The sender, with an empty list of schedules where the marker is.
+/// The sender, with an empty list of schedules at the marker.
 const SENDER: &str = include_str!("send.py");
 
 /// The files, each with its ending.
@@ -128,7 +133,7 @@ pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String,
     Ok(files)
 }
 
-/// The program that sends the scripts: those that wait for a trigger first.
+/// The program that sends the scripts; instruments that wait for a trigger come first.
 fn sender(schedule: &Schedule, plays: &[serde_json::Value]) -> String {
     let listing = serde_json::json!({
         "name": schedule.name,
@@ -139,7 +144,7 @@ fn sender(schedule: &Schedule, plays: &[serde_json::Value]) -> String {
     parts::sender(SENDER, &listing)
 }
 
-/// A waveform generator with what its outputs play.
+/// A waveform generator with the signals of its outputs.
 struct Generator<'a> {
     wired: &'a WiredInstrument<'a>,
     facts: &'a WaveformGeneratorFacts,
@@ -147,11 +152,11 @@ struct Generator<'a> {
     sampling: Sampling,
     /// Whether its outputs play sequences.
     is_sequenced: bool,
-    /// One for each channel.
+    /// By channel.
     outputs: Vec<GeneratorOutput>,
 }
 
-/// An output with the range of voltages that it gives.
+/// An output with its voltage range.
 struct GeneratorOutput {
     number: u32,
     link: Link,
@@ -160,19 +165,19 @@ struct GeneratorOutput {
     playing: Playing,
 }
 
-/// What an output plays.
+/// Content of an output.
 enum Playing {
-    /// The same voltage all the time.
+    /// A single voltage throughout.
     Constant,
     Waveform(Vec<i16>),
     Sequence(Sequence),
 }
 
 impl GeneratorOutput {
-    /// The output of a channel, with nothing to play yet.
+    /// The output of a channel, without content yet.
     fn new(signals: &Signals, channel: usize, number: u32, link: Link) -> GeneratorOutput {
         let levels = signals.of(channel).iter().flat_map(|actuation| actuation.levels());
-        // Where it is at rest counts too.
+        // The resting value counts too.
         let ends = [0, signals.schedule.duration_ns].map(|t_ns| signals.value(channel, t_ns));
         let rest = signals.rest_v(channel);
         let (mut low_v, mut high_v) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -337,7 +342,7 @@ impl<'a> Generator<'a> {
         }
     }
 
-    /// What the sender must know.
+    /// Data for the sender.
     fn listing(&self) -> serde_json::Value {
         let numbers: Vec<u32> = self.outputs.iter().map(|output| output.number).collect();
         // A stage stays where it is: without the voltage of its output it would run to its zero.
@@ -370,7 +375,8 @@ fn send(bytes: &mut Vec<u8>, message: &[u8]) {
     bytes.push(b'\n');
 }
 
-/// The sequence as a definite-length block of text: its name, then name, repetitions, advance mode and marker of each step.
+/// The sequence as a definite-length block of text: its name, then name, repetitions, advance mode and marker of each
+/// step.
 fn steps(sequence: &Sequence, output: u32) -> String {
     let mut text = format!("\"{}\"", waveform_name(output));
     for step in &sequence.steps {
@@ -381,7 +387,7 @@ fn steps(sequence: &Sequence, output: u32) -> String {
     format!("#{}{length}{text}", length.len())
 }
 
-/// The name of an output's waveform or sequence: short, as instruments ask for it.
+/// The name of an output's waveform or sequence; instruments require it to be short.
 fn waveform_name(output: u32) -> String {
     format!("CH{output}")
 }

@@ -1,4 +1,4 @@
-//! Boards of droplets on the sheet: reservoirs and droplets to load, operations by time, and where everything is in the end.
+//! Droplet boards on the sheet: reservoirs and droplets to load, operations by time, and the final state.
 
 use super::{Sheet, SheetRow, holds, time};
 use crate::claims::Job;
@@ -16,13 +16,13 @@ use crate::verify::electrode_array::{DropletAfter, droplets_after};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A board with its runs, in their order.
+/// A board with its runs in order.
 pub(super) struct SheetBoard<'v> {
     device: &'v str,
     schedule: &'v Schedule,
-    /// By the index of the plan.
+    /// By plan index.
     runs: Vec<(usize, Cow<'v, ElectrodeArrayOrder>)>,
-    /// What its droplets contain in the end, or when they were last there.
+    /// Contents of its droplets at the end, or when they were last on the board.
     droplets: BTreeMap<&'v str, DropletAfter<'v>>,
     /// Whether steps switch outputs of the bench.
     has_outputs: bool,
@@ -53,7 +53,7 @@ fn order_of_droplets(job: &Job) -> Option<&ElectrodeArrayOrder> {
     ElectrodeArrayOrder::of(&job.order).filter(|order| order.facts.layout.electrodes == Electrodes::Single)
 }
 
-/// What happens on all boards and what is waited for, by time.
+/// Events and waits on all boards, by time.
 pub(super) fn run(verified: &Verified, boards: &[SheetBoard]) -> Vec<[String; 4]> {
     let mut rows: Vec<SheetRow> = holds::rows(verified).collect();
     for board in boards {
@@ -70,7 +70,7 @@ pub(super) fn run(verified: &Verified, boards: &[SheetBoard]) -> Vec<[String; 4]
 }
 
 impl SheetBoard<'_> {
-    /// What to load before the run.
+    /// Writes what to load before the run.
     pub(super) fn load(&self, sheet: &mut Sheet) {
         sheet.line(&format!("\n## Load `{}`", self.device));
         let mut rows: Vec<[String; 4]> = Vec::new();
@@ -83,7 +83,7 @@ impl SheetBoard<'_> {
                 false => format!("electrodes {} to {}", zone.from, zone.to),
             };
             let needed = stay.temperature_k.map_or("on".to_owned(), temperature);
-            // Which zone an output acts on is known to the bench alone.
+            // Only the bench knows which zone an output acts on.
             let needed = match zone.sort {
                 ZoneSort::Heater | ZoneSort::Magnet if self.has_outputs => {
                     format!("{needed}, unless an output switches it")
@@ -109,7 +109,7 @@ impl SheetBoard<'_> {
         }
     }
 
-    /// The reservoirs in use, with their outlets and the droplets that they dispense.
+    /// The reservoirs in use, with their outlets and the number of droplets that they dispense.
     fn reservoirs(&self) -> BTreeMap<&str, (ElectrodeCell, usize)> {
         let mut reservoirs = BTreeMap::new();
         for operation in self.runs.iter().flat_map(|(_, order)| operations_of(order)) {
@@ -131,7 +131,7 @@ impl SheetBoard<'_> {
         zones
     }
 
-    /// The times between runs, in which all electrodes are off.
+    /// The intervals between runs, in which all electrodes are off.
     fn gaps(&self) -> impl Iterator<Item = ([u64; 2], String)> {
         let plans = self.runs.iter().filter_map(|(plan, _)| self.schedule.plans.get(*plan));
         let times: Vec<[u64; 2]> = plans.map(|plan| [plan.start_ns, plan.end_ns()]).collect();
@@ -140,7 +140,7 @@ impl SheetBoard<'_> {
         gaps.into_iter().map(|gap| (gap, "no electrode is on: nothing holds the droplets".to_owned()))
     }
 
-    /// What happens on the board, with its times; but for its waits for an input or a person.
+    /// Events on the board with their times, except its waits for an input or a person.
     fn rows(&self) -> impl Iterator<Item = ([u64; 2], String)> {
         let holds: BTreeSet<u32> = self.schedule.holds.iter().map(|hold| hold.step).collect();
         let steps: Vec<(bool, &ScheduledStep)> =
@@ -153,7 +153,7 @@ impl SheetBoard<'_> {
         })
     }
 
-    /// What is on the board in the end, and where the rest has left it.
+    /// Writes what is on the board at the end, and where droplets left it.
     pub(super) fn leave(&self, sheet: &mut Sheet) {
         sheet.line(&format!("\n## Afterwards on `{}`", self.device));
         let mut ports: BTreeMap<ElectrodeCell, Vec<String>> = BTreeMap::new();
@@ -206,7 +206,7 @@ fn operations_of(order: &ElectrodeArrayOrder) -> impl Iterator<Item = &AssayOper
     order.steps.iter().flat_map(|step| step.action.operations())
 }
 
-/// What a step does, with the times of its operations.
+/// Events of a step, with the times of its operations.
 fn rows_of(
     order: &ElectrodeArrayOrder,
     action: &ElectrodeArrayAction,
@@ -239,10 +239,10 @@ fn rows_of(
     }
 }
 
-/// When a droplet is where it goes for good, or has merged; `None` if the states do not tell.
+/// The instant from which a droplet is at its goal or has merged; `None` if the states do not tell.
 fn arrival_ns(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove, states: &[TimedState]) -> Option<u64> {
     let goal = one.goal().cell;
-    // Of a team, whoever stands there in the end.
+    // For a team, whichever part is there at the end.
     let at_goal =
         states.last()?.state.cells()?.iter().find(|(_, [column, row])| ElectrodeCell::new(*column, *row) == goal);
     let (name, merged) = match one.with {
@@ -256,7 +256,7 @@ fn arrival_ns(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove, states: &[T
     states.iter().rev().take_while(arrived).last().map(|timed| timed.t_ns)
 }
 
-/// When an operation begins: as soon as its droplets are where it takes place, or, where they only go somewhere, are free to go.
+/// Start of an operation: when its droplets are at its place or, if they only move, when they are free to go.
 fn begins_ns(operation: &AssayOperation, on: &ScheduledOperation) -> u64 {
     let only_goes = operation.with.is_none() && operation.splits.is_none() && on.end_ns() == on.arrival_ns;
     if only_goes { on.start_ns } else { on.arrival_ns }
@@ -283,7 +283,7 @@ fn moved(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove) -> String {
     }
 }
 
-/// An operation in words; `stay_ns` is how long it stays in the end.
+/// An operation in words; `stay_ns` is the duration of its final stay.
 fn done(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay_ns: u64) -> String {
     let part = name(order, operation.part);
     let at = |stop: Option<&ElectrodeArrayStop>| stop.map_or(String::new(), |stop| format!(" at {}", stop.cell));

@@ -1,4 +1,4 @@
-//! Waits for an input or a person on the sheet: what to do, and from when the times after it count.
+//! Waits for an input or a person on the sheet: what to do, and the reference of the times after them.
 
 use super::{SheetRow, time};
 use crate::device::instrument::Awaited;
@@ -16,7 +16,7 @@ pub(super) fn rows(verified: &Verified) -> impl Iterator<Item = SheetRow<'_>> {
     })
 }
 
-/// How times count where a schedule waits; `None` where it does not.
+/// Explanation of times in a schedule with waits; `None` without waits.
 pub(super) fn of_times(holds: &[ScheduledHold]) -> Option<String> {
     let open = holds.iter().find(|hold| !hold.terms.is_bounded);
     let mut text = match open {
@@ -49,7 +49,7 @@ fn asked(hold: &ScheduledHold) -> String {
     }
 }
 
-/// A text of the program that Markdown shows as it is, in a table too.
+/// A text of the program escaped for Markdown, also within tables.
 fn plain(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {

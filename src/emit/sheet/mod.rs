@@ -1,6 +1,6 @@
-//! Sheets for the bench, in Markdown: what to load before a schedule runs, what happens when, and what is there afterwards.
+//! Bench sheets in Markdown: what to load before a schedule runs, what happens when, and what is there afterwards.
 //!
-//! `<name>.sheet.md` is for the person at the bench and for the notebook. It has no line that instruments read.
+//! `<name>.sheet.md` is for the person at the bench and for the notebook. No instrument reads it.
 
 mod electrode_array;
 mod holds;
@@ -44,17 +44,17 @@ pub(super) fn write(verified: &Verified, provenance: &Provenance) -> Result<Vec<
     Ok(sheet.text.into_bytes())
 }
 
-/// Something that happens on a device.
+/// An event on a device.
 struct SheetRow<'v> {
     /// Start and end on the clock, in nanoseconds.
     times: [u64; 2],
-    /// The end as it is written.
+    /// The end as written.
     end: String,
     device: &'v str,
     text: String,
 }
 
-/// A text in Markdown that is being written.
+/// A Markdown text in progress.
 #[derive(Debug, Default)]
 struct Sheet {
     text: String,
@@ -69,7 +69,7 @@ impl Sheet {
         let _ = writeln!(self.text, "\n{text}");
     }
 
-    /// A table with as many columns as its head.
+    /// Writes a table with as many columns as its head.
     fn table<const COLUMNS: usize>(
         &mut self,
         head: [&str; COLUMNS],

@@ -1,15 +1,17 @@
-//! Controllers of stages: for each of the program the places of its axes, and a program that plays them.
+//! Stage controllers: for each controller of the program the places of its axes, and a program that plays them.
 //!
-//! `<name>.<controller>.stages.csv` has a row for each point at which some stage may turn: its number from 0, and where each stage is by
-//! then in micrometres of its own travel. Between two rows all stages move on straight lines; points follow each other in the period
-//! that the first line names. Where a way turns between two points, both are there: the way is cut by
-//! [`cut_um`] at the most. `<name>.stages.py` plays the rows, on controllers of PI as straight
-//! segments of wave tables, on an MCS2 of SmarAct as a stream of places. At the end, on an error and on Ctrl-C stages stay where they are.
+//! `<name>.<controller>.stages.csv` has a row for each point at which a stage may turn: its number from 0, and the
+//! place of each stage then, in micrometres of its own travel. Between two rows all stages move on straight lines;
+//! points are spaced by the period that the first line names. If a path turns between two points, both are rows, and
+//! the path is cut by [`cut_um`] at the most. `<name>.stages.py` plays the rows: on PI controllers as straight segments
+//! of wave tables, on a SmarAct MCS2 as a stream of places. At the end, on an error and on Ctrl-C stages stay where
+//! they are.
 //!
-//! The period is the shortest of the controller for which its tables hold the schedule, a whole number of its own periods, and no longer
-//! than the hand bears: corners are cut by no more than what the acceleration of the stage leaves of half of the tolerance.
+//! The period is the shortest for which the tables of the controller hold the schedule: a whole number of its own
+//! periods, and no longer than the tolerance of the hand allows. Corners are cut by no more than what the acceleration
+//! of the stage leaves of half of the tolerance.
 //!
-//! A schedule that waits for inputs or people has a file for each part of it, `<name>.<controller>.1.stages.csv` and so on.
+//! A schedule that waits for inputs or people has a file for each part, `<name>.<controller>.1.stages.csv` and so on.
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
@@ -26,20 +28,21 @@ use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-/// The sender, with an empty list of controllers where the marker is.
+/// The sender, with an empty list of controllers at the marker.
 const SENDER: &str = include_str!("send.py");
 
 /// Estimated bytes of a row without its places, and of a place.
 const ROW_BYTES: u64 = 8;
 const PLACE_BYTES: u64 = 12;
 
-/// Places are whole parts of a micrometre: picometres.
+/// Places are rounded to picometres.
 const PARTS_OF_UM: f64 = 1e6;
 
 /// The files, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::Leap`], [`EmitError::Unsayable`], [`EmitError::TooLongForTable`], [`EmitError::TooLarge`].
+/// [`EmitError::NotWired`], [`EmitError::Leap`], [`EmitError::Unsayable`], [`EmitError::TooLongForTable`],
+/// [`EmitError::TooLarge`].
 pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     played(schedule, Format::Stages, Family::StageController, "controllers", SENDER, |wired, number| {
         let InstrumentFacts::StageController(facts) = &wired.instrument.facts else { return Ok(None) };
@@ -49,14 +52,14 @@ pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String,
     })
 }
 
-/// A controller with what it plays.
+/// A controller with the paths of its axes.
 struct StageTables<'a> {
     wired: &'a WiredInstrument<'a>,
     facts: &'a StageControllerFacts,
     signals: Signals<'a>,
     /// The channel of each wired axis, by its number.
     axes: BTreeMap<u32, usize>,
-    /// How many periods of the controller lie between two points.
+    /// Number of controller periods between two points.
     every: u64,
 }
 
@@ -86,7 +89,7 @@ impl<'a> StageTables<'a> {
         Ok(controller)
     }
 
-    /// The most periods between two points at which no corner is cut too far; at least 1, which was held before.
+    /// The most periods between two points such that no corner is cut too far; at least 1, which was checked before.
     fn most_periods(&self, claims: &Claims) -> u64 {
         let period_s = 1.0 / self.facts.rate_hz;
         let of_axis = |channel: &usize| {
@@ -109,16 +112,16 @@ impl<'a> StageTables<'a> {
         self.point(self.signals.schedule.duration_ns)[1].max(1)
     }
 
-    /// The last point that is not after an instant, and the first one that is not before it.
+    /// The last point at or before an instant, and the first at or after it.
     fn point(&self, t_ns: u64) -> [u64; 2] {
         let points = t_ns as f64 / self.period_ns();
-        // A quotient that is whole but for its rounding.
+        // The quotient is whole up to rounding.
         let whole = points.round();
         let is_whole = (points - whole).abs() <= points * 1e-12;
         if is_whole { [whole as u64; 2] } else { [points.floor() as u64, points.ceil() as u64] }
     }
 
-    /// Where the stage of a channel is at a point, in micrometres of its own travel.
+    /// Position of the stage of a channel at a point, in micrometres of its own travel.
     fn place_um(&self, channel: usize, point: u64) -> f64 {
         let t_ns = ((point as f64 * self.period_ns()).round() as u64).min(self.signals.schedule.duration_ns);
         let place_um = self.wired.drives[channel].link.at_output(self.signals.value(channel, t_ns));
@@ -128,7 +131,7 @@ impl<'a> StageTables<'a> {
     fn text(&self) -> Result<String, EmitError> {
         let schedule = self.signals.schedule;
         let turns = self.signals.breaks(self.axes.values().copied());
-        // What a wait holds lasts beyond the end of the part before it.
+        // Values held by a wait extend beyond the end of the part before it.
         let turns = turns.into_iter().filter(|t_ns| *t_ns <= schedule.duration_ns);
         let mut points: BTreeSet<u64> = turns.flat_map(|t_ns| self.point(t_ns)).collect();
         points.extend([0, self.last_point()]);
@@ -158,7 +161,7 @@ impl<'a> StageTables<'a> {
         Ok(text)
     }
 
-    /// What the sender must know.
+    /// Data for the sender.
     fn listing(&self, ending: &str) -> serde_json::Value {
         let travels: Vec<[f64; 2]> = self
             .axes

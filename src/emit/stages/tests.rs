@@ -28,7 +28,7 @@ pub fn mcs2() -> StageControllerFacts {
     }
 }
 
-/// The stages of a fixture on as many controllers as they need; all but the first of them wait for it. Every other stage counts
+/// The stages of a fixture on as many controllers as needed; all but the first wait for it. Every other stage counts
 /// backwards.
 pub fn on_controllers(fixture: FixtureSchedule, facts: &StageControllerFacts) -> FixtureSchedule {
     fixture.changed(|schedule| {
@@ -49,7 +49,7 @@ pub fn on_controllers(fixture: FixtureSchedule, facts: &StageControllerFacts) ->
     })
 }
 
-/// The rows of a table: points, and the place of each axis.
+/// The rows of a table: the point number, and the place of each axis.
 fn rows(text: &str) -> Vec<(u64, Vec<f64>)> {
     let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
     let cells = |row: &str| row.split(',').map(|cell| cell.parse::<f64>().expect("a number")).collect::<Vec<f64>>();
@@ -62,7 +62,7 @@ fn tables(fixture: &FixtureSchedule) -> Vec<String> {
     texts.map(|file| String::from_utf8(file.bytes).expect("a text")).collect()
 }
 
-/// Where a row of three controllers has a stage at an instant, on straight lines between its rows.
+/// Place of an axis at a point, interpolated linearly between rows.
 fn between(rows: &[(u64, Vec<f64>)], axis: usize, point: f64) -> f64 {
     let after = rows.iter().position(|row| row.0 as f64 >= point).expect("an instant of the schedule").max(1);
     let [(a, before), (b, behind)] = [&rows[after - 1], &rows[after]];

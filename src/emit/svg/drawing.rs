@@ -1,27 +1,30 @@
-//! Elements of a picture on paper: lines, discs and texts with numbers of a fixed form, and the view that maps a scene onto it.
+//! Elements of a picture on paper: lines, discs and texts with numbers of a fixed form, and the view that maps a scene
+//! onto it.
 //!
-//! One unit is one point, 1/72 of an inch. Promise: what is written is well-formed XML whatever the texts, and no text lies on another.
+//! One unit is one point, 1/72 of an inch. Guarantees: the output is well-formed XML whatever the texts, and no text
+//! covers another.
 
 use super::letters::{self, ASCENT, DESCENT};
 
 /// Points in a millimetre.
 pub const PT_PER_MM: f64 = 72.0 / 25.4;
 
-/// Sizes of letters.
+/// Font sizes.
 pub const TEXT_PT: f64 = 7.0;
 pub const TITLE_PT: f64 = 9.0;
 
-/// From one line of small text to the next.
+/// Line spacing of small text.
 pub const LINE_PT: f64 = 9.0;
 
 /// The thinnest line that prints well.
 pub const HAIR_PT: f64 = 0.35;
 
-/// Width of ordinary lines, and of those that matter.
+/// Width of ordinary lines, and of paths.
 pub const THIN_PT: f64 = 0.6;
 pub const WAY_PT: f64 = 1.2;
 
-/// Colours of the page that plays a schedule, in its light theme; people with any colour vision tell them apart (Okabe and Ito).
+/// Colours of the page that plays a schedule, in its light theme; distinguishable with any colour vision (Okabe and
+/// Ito).
 pub mod color {
     pub const PAPER: &str = "#ffffff";
     pub const INK: &str = "#1c2128";
@@ -43,10 +46,10 @@ pub mod color {
     pub const MAGNET: &str = "#c9b8e8";
     pub const ALARM: &str = "#d00000";
 
-    /// The colours that things of one sort take turns in.
+    /// Colours that are cycled through by items of one sort.
     pub const TURNS: [&str; 7] = ["#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#0072b2", "#d55e00", "#f0e442"];
 
-    /// The colour of one of several things of a sort, by its index.
+    /// The colour of an item of a sort, by its index.
     pub fn in_turn(index: usize) -> &'static str {
         TURNS[index % TURNS.len()]
     }
@@ -74,7 +77,7 @@ impl PaperBox {
         self.left <= other.left && other.right <= self.right && self.top <= other.top && other.bottom <= self.bottom
     }
 
-    /// Whether a point lies in it.
+    /// Whether a point lies in the box.
     pub fn surrounds(&self, at: [f64; 2]) -> bool {
         self.holds(&PaperBox::about(at, 0.0))
     }
@@ -84,7 +87,7 @@ impl PaperBox {
     }
 }
 
-/// How something is painted.
+/// Fill, stroke and opacity.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Ink {
     fill: Option<&'static str>,
@@ -103,17 +106,17 @@ impl Ink {
         Ink { stroke: Some(color), width_pt, ..Ink::default() }
     }
 
-    /// With a rim.
+    /// Adds a rim.
     pub fn edged(self, color: &'static str, width_pt: f64) -> Ink {
         Ink { stroke: Some(color), width_pt, ..self }
     }
 
-    /// Broken into dashes.
+    /// Makes the line dashed.
     pub fn dashed(self, dash: &'static str) -> Ink {
         Ink { dash: Some(dash), ..self }
     }
 
-    /// Half transparent, from 0 to 1.
+    /// Sets the opacity, from 0 to 1.
     pub fn veiled(self, opacity: f64) -> Ink {
         Ink { opacity: Some(opacity), ..self }
     }
@@ -134,10 +137,10 @@ impl Ink {
     }
 }
 
-/// What a drawn thing stands for, for programs that read the picture: names of `data-` attributes with their values.
+/// Meaning of an element, for programs that read the picture: names of `data-` attributes with their values.
 pub type Facts<'a> = &'a [(&'a str, String)];
 
-/// Where a text stands about its point.
+/// Horizontal anchor of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     Start,
@@ -145,7 +148,7 @@ pub enum Anchor {
     End,
 }
 
-/// The look of a text.
+/// Font style of a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Letters {
     pub size_pt: f64,
@@ -174,7 +177,7 @@ impl Letters {
         letters::width_em(text, self.is_bold) * self.size_pt
     }
 
-    /// The box of a text whose base line begins, has its middle, or ends at a point.
+    /// The box of a text whose baseline starts, is centred, or ends at a point.
     fn room(&self, text: &str, [x, y]: [f64; 2]) -> PaperBox {
         let width_pt = self.width_pt(text);
         let left = match self.anchor {
@@ -187,31 +190,31 @@ impl Letters {
     }
 }
 
-/// A text that is placed once all shapes are drawn, near a point and not on another text.
+/// A text that is placed after all shapes are drawn, near a point and not on another text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlacedLabel {
     pub text: String,
     pub letters: Letters,
     pub at: [f64; 2],
-    /// Radius of what is drawn at the point.
+    /// Radius of the mark at the point.
     pub radius_pt: f64,
-    /// Whether it may stand on the point itself.
+    /// Whether the text may stand on the point itself.
     pub may_cover: bool,
 }
 
-/// A picture while it is drawn.
+/// A picture in progress.
 #[derive(Debug, Default)]
 pub struct Drawing {
     body: String,
     texts: Vec<PaperBox>,
-    /// What labels do not cover if they can help it.
+    /// Areas that labels avoid if possible.
     marks: Vec<PaperBox>,
     waiting: Vec<PlacedLabel>,
     clips: usize,
 }
 
 impl Drawing {
-    /// All elements.
+    /// The markup of all elements.
     pub fn into_body(self) -> String {
         self.body
     }
@@ -228,14 +231,14 @@ impl Drawing {
         }
     }
 
-    /// Begins a group, which [`Drawing::close`] ends.
+    /// Begins a group; [`Drawing::close`] ends it.
     pub fn open(&mut self, class: &str, facts: Facts) {
         self.body.push_str(&format!("<g class=\"{class}\""));
         self.facts(facts);
         self.body.push_str(">\n");
     }
 
-    /// Begins a group of which nothing is seen outside of a box.
+    /// Begins a group that is clipped to a box.
     pub fn open_clipped(&mut self, class: &str, room: PaperBox, facts: Facts) {
         self.clips += 1;
         let id = self.clips;
@@ -249,7 +252,7 @@ impl Drawing {
         self.body.push_str("</g>\n");
     }
 
-    /// A line through points.
+    /// A polyline.
     pub fn line(&mut self, points: &[[f64; 2]], ink: Ink, facts: Facts) {
         if points.len() > 1 {
             self.element("path", &format!("d=\"{}\"", path(points)), &ink, facts);
@@ -283,12 +286,12 @@ impl Drawing {
         }
     }
 
-    /// Keeps labels off a place.
+    /// Reserves an area that labels avoid.
     pub fn mark(&mut self, room: PaperBox) {
         self.marks.push(room);
     }
 
-    /// A text on its base line.
+    /// A text on its baseline.
     pub fn text(&mut self, at: [f64; 2], text: &str, letters: Letters) {
         if text.is_empty() {
             return;
@@ -302,17 +305,17 @@ impl Drawing {
         let weight = if letters.is_bold { " font-weight=\"bold\"" } else { "" };
         let (x, y, size) = (number(at[0]), number(at[1]), number(letters.size_pt));
         self.body.push_str(&format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"{anchor}{weight}"));
-        // A rim of paper keeps it readable on lines.
+        // A rim in the colour of paper keeps it readable on lines.
         self.body.push_str(" stroke=\"#ffffff\" stroke-width=\"1.5\" stroke-linejoin=\"round\" paint-order=\"stroke\"");
         self.body.push_str(&format!(" fill=\"{}\">{}</text>\n", letters.color, escaped(text)));
     }
 
-    /// A text that [`Drawing::place_labels`] will place.
+    /// A text for [`Drawing::place_labels`] to place.
     pub fn label(&mut self, label: PlacedLabel) {
         self.waiting.push(label);
     }
 
-    /// Places the waiting labels in a box, the first ones best; the number of those for which there was no room.
+    /// Places the waiting labels inside a box, earlier ones first; returns the number of those without room.
     pub fn place_labels(&mut self, room: PaperBox) -> usize {
         let mut left_out = 0;
         for label in std::mem::take(&mut self.waiting) {
@@ -325,7 +328,7 @@ impl Drawing {
         left_out
     }
 
-    /// Where the base line of a label may have its middle.
+    /// A free middle point for the baseline of a label.
     fn free_place(&self, label: &PlacedLabel, room: PaperBox) -> Option<[f64; 2]> {
         let letters = Letters { anchor: Anchor::Middle, ..label.letters };
         let is_free = |at: &[f64; 2]| {
@@ -341,7 +344,7 @@ impl Drawing {
             !self.marks.iter().any(|mark| mark.meets(&seen))
         };
         let places = around(label);
-        // On the point itself stands its own mark.
+        // On the point itself is only the label's own mark.
         let is_own = |at: &[f64; 2]| label.may_cover && *at == places[0];
         let clear = places.iter().find(|at| is_free(at) && (is_own(at) || is_clear(at)));
         clear.or_else(|| places.iter().find(|at| is_free(at))).copied()
@@ -351,14 +354,14 @@ impl Drawing {
 /// Least gap between two labels side by side.
 const SPACE_PT: f64 = 1.6;
 
-/// Distances from what is labelled to its label, in points.
+/// Distances from a labelled mark to its label, in points.
 const GAPS_PT: [f64; 3] = [1.0, 4.0, 8.0];
 
-/// The places that a label may have, the best one first.
+/// Candidate positions of a label, best first.
 fn around(label: &PlacedLabel) -> Vec<[f64; 2]> {
     let [x, y] = label.at;
     let (half_width, size) = (label.letters.width_pt(&label.text) / 2.0, label.letters.size_pt);
-    // From the base line to the middle of a digit, and half its height.
+    // From the baseline to the middle of a digit, and half of its height.
     let (lift, half_height) = (0.36 * size, 0.36 * size);
     let mut places = if label.may_cover { vec![[x, y + lift]] } else { Vec::new() };
     for gap in GAPS_PT {
@@ -381,19 +384,19 @@ fn around(label: &PlacedLabel) -> Vec<[f64; 2]> {
     places
 }
 
-/// A box of the scene on paper: y points up, lengths in the scene's unit.
+/// Mapping from a scene to a box on paper: y points up, lengths are in the scene's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperView {
-    /// Points on paper for a unit of the scene.
+    /// Points on paper per unit of the scene.
     pub scale: f64,
     left_pt: f64,
     base_pt: f64,
-    /// Where the scene is on paper.
+    /// The box of the scene on paper.
     pub room: PaperBox,
 }
 
 impl PaperView {
-    /// The view of what lies between two corners, as large as it can be in the middle of a box.
+    /// The view that fits the area between two corners into a box, as large as possible and centred.
     pub fn fitted([low, high]: [[f64; 2]; 2], room: PaperBox) -> PaperView {
         let scale = scale_of([low, high], [room.right - room.left, room.bottom - room.top]);
         let [x, y] = room.middle();
@@ -402,7 +405,7 @@ impl PaperView {
         PaperView { scale, left_pt, base_pt, room }
     }
 
-    /// Where a place of the scene is on paper.
+    /// A scene position on paper.
     pub fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [self.left_pt + x * self.scale, self.base_pt - y * self.scale]
     }
@@ -418,7 +421,7 @@ impl PaperView {
     }
 }
 
-/// The scale at which what lies between two corners fits into a width and a height on paper.
+/// The scale at which the area between two corners fits into a width and a height on paper.
 pub fn scale_of([low, high]: [[f64; 2]; 2], [width_pt, height_pt]: [f64; 2]) -> f64 {
     let least = f64::MIN_POSITIVE.sqrt();
     (width_pt / (high[0] - low[0]).max(least)).min(height_pt / (high[1] - low[1]).max(least))
@@ -429,7 +432,7 @@ pub fn number(value: f64) -> String {
     decimal(value, 3)
 }
 
-/// A number with at most so many decimals, without zeros at its end, never minus zero.
+/// A number with at most `decimals` decimals, without trailing zeros, never minus zero.
 pub fn decimal(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
@@ -454,7 +457,7 @@ fn path(points: &[[f64; 2]]) -> String {
     text
 }
 
-/// A text as the content of an element or of an attribute. Characters that XML does not have become U+FFFD.
+/// A text escaped for the content of an element or an attribute. Characters that XML does not allow become U+FFFD.
 pub fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! What the marks of a picture mean, and its scale bars.
+//! Legend of a picture, and its scale bars.
 
 use super::drawing::{Anchor, Drawing, Ink, LINE_PT, Letters, PaperBox, PaperView, TEXT_PT, THIN_PT, color, decimal};
 use super::{letters, strobe};
@@ -13,10 +13,10 @@ const APART_PT: f64 = 9.0;
 /// The longest scale bar, as a share of the width of its panel.
 const LONGEST: f64 = 0.3;
 
-/// Height that a scale bar takes.
+/// Height of a scale bar with its text.
 const BAR_PT: f64 = 14.0;
 
-/// How an entry looks.
+/// Symbol of an entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KeyForm {
     Line,
@@ -32,7 +32,7 @@ pub struct KeyEntry {
     pub text: String,
 }
 
-/// What a panel has to explain.
+/// Legend content of one panel.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PanelKey {
     pub entries: Vec<KeyEntry>,
@@ -48,7 +48,7 @@ impl PanelKey {
     }
 }
 
-/// Draws the entries and notes of all panels from the top of a box on; the height at which they end.
+/// Draws the entries and notes of all panels from the top of a box; returns the height at which they end.
 pub fn draw(keys: &[PanelKey], more: &[String], inside: PaperBox, to: &mut Drawing) -> f64 {
     let mut entries: Vec<&KeyEntry> = Vec::new();
     for entry in keys.iter().flat_map(|key| &key.entries) {
@@ -100,7 +100,7 @@ fn mark(entry: &KeyEntry, [left, top]: [f64; 2], to: &mut Drawing) {
     }
 }
 
-/// Draws the scale bar of a panel below its scene; the height at which it ends.
+/// Draws the scale bar of a panel below its scene; returns the height at which it ends.
 pub fn scale_bar(view: &PaperView, unit_um: f64, room: PaperBox, to: &mut Drawing) -> f64 {
     let pt_per_um = view.scale / unit_um;
     let longest_um = LONGEST * (room.right - room.left) / pt_per_um;
@@ -115,7 +115,7 @@ pub fn scale_bar(view: &PaperView, unit_um: f64, room: PaperBox, to: &mut Drawin
     room.bottom + BAR_PT
 }
 
-/// The greatest of 1, 2 and 5 times a power of ten that is not above a length.
+/// The greatest of 1, 2 and 5 times a power of ten that is at most a length.
 fn round_length(most_um: f64) -> f64 {
     const ROUNDING: f64 = 1e-9;
     let power_um = 10f64.whole_power(most_um.common_logarithm().floor() as i32);

@@ -1,13 +1,13 @@
-//! Widths of texts, estimated for the widest of the fonts that `sans-serif` commonly is.
+//! Text widths, estimated for the widest font that `sans-serif` commonly stands for.
 
 /// The fonts of all texts; the last one is generic.
 pub const FONTS: &str = "Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif";
 
-/// Height of a text above its base line and depth below it, as shares of its size.
+/// Height of a text above its baseline and depth below it, as shares of its size.
 pub const ASCENT: f64 = 0.98;
 pub const DESCENT: f64 = 0.28;
 
-/// How much wider bold letters are.
+/// Width factor of bold letters.
 const BOLD: f64 = 1.12;
 
 /// Width of a text, as a share of its size.
@@ -16,7 +16,7 @@ pub fn width_em(text: &str, is_bold: bool) -> f64 {
     if is_bold { width_em * BOLD } else { width_em }
 }
 
-/// Width of a letter of DejaVu Sans, which is wide; others by their sort.
+/// Width of a letter of DejaVu Sans, which is a wide font; other scripts by their kind.
 fn letter_em(letter: char) -> f64 {
     match letter {
         'i' | 'j' | 'l' | 'I' | 'J' | '\'' | '|' => 0.3,
@@ -31,7 +31,7 @@ fn letter_em(letter: char) -> f64 {
     }
 }
 
-/// The lines of a text that is broken at its blanks, each no wider than so many times its size; a word that is wider is broken too.
+/// The lines of a text wrapped at blanks, each at most `most_em` times its size wide; a wider word is broken.
 pub fn wrapped(text: &str, most_em: f64, is_bold: bool) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
@@ -57,7 +57,7 @@ pub fn wrapped(text: &str, most_em: f64, is_bold: bool) -> Vec<String> {
     lines
 }
 
-/// A text cut to a width of so many times its size, with three dots where something is cut off.
+/// A text cut to a width of `most_em` times its size, with three dots where something is cut off.
 pub fn cut(text: &str, most_em: f64, is_bold: bool) -> String {
     if width_em(text, is_bold) <= most_em {
         return text.to_owned();

@@ -1,8 +1,9 @@
 //! SVG: a static picture of a schedule for papers and readmes.
 //!
-//! Each device has a panel, or several: its scene to scale with numbered positions at chosen instants (strobes), or at one instant.
-//! Above them stand the cost of each plan and what is proven of it, below them the scale bars, the instants and the legend. Without
-//! scripts, style sheets or other files; 85 mm wide, as a column of a paper, or 175 mm where there are several panels.
+//! Each device has one panel or several: its scene to scale with numbered positions at chosen instants (strobes), or at
+//! one instant. Above the panels stand the cost of each plan and what is proven of it; below them are the scale bars,
+//! the instants and the legend. There are no scripts, style sheets or other files. The width is 85 mm, as a column of a
+//! paper, or 175 mm for several panels.
 
 pub(super) mod drawing;
 pub(super) mod legend;
@@ -24,11 +25,11 @@ use drawing::{
 };
 use legend::PanelKey;
 
-/// Widths of a picture: one column of a paper, or both.
+/// Width of a picture: one column of a paper, or both.
 const COLUMN_MM: f64 = 85.0;
 const PAGE_MM: f64 = 175.0;
 
-/// White rim of a picture, and gaps between panels.
+/// Margin of a picture, and gaps between panels.
 const MARGIN_PT: f64 = 4.0;
 const GAP_PT: f64 = 12.0;
 
@@ -36,7 +37,7 @@ const GAP_PT: f64 = 12.0;
 const TALLEST: f64 = 1.2;
 const FLATTEST: f64 = 0.2;
 
-/// Panels that make up a row of a picture in both columns, in shares of a column.
+/// Width of a row of panels in a two-column picture, in columns.
 const ROW_SHARES: f64 = 2.0;
 
 /// Greatest number of plans whose costs are shown.
@@ -45,24 +46,24 @@ const MAX_COSTS: usize = 6;
 /// Greatest number of panels.
 const MAX_PANELS: usize = 12;
 
-/// What a kind is asked to draw.
+/// The subject of a picture of a device.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
     pub verified: &'a Verified,
     pub signals: &'a Signals<'a>,
     pub device: &'a str,
-    /// The one instant to be drawn; `None` for strobes.
+    /// The instant to draw; `None` for strobes.
     pub moment_ns: Option<u64>,
 }
 
-/// A part of a picture with one scale.
+/// A part of a picture with its own scale.
 pub(super) trait Panel {
     fn title(&self) -> String;
 
-    /// The corners of what must be seen, in its unit.
+    /// Lower and upper corner of the visible area, in the panel's unit.
     fn extent(&self) -> [[f64; 2]; 2];
 
-    /// Length of its unit.
+    /// Length of its unit, in micrometres.
     fn unit_um(&self) -> f64 {
         1.0
     }
@@ -72,18 +73,18 @@ pub(super) trait Panel {
         1.0
     }
 
-    /// Draws the scene; the legend of what it drew.
+    /// Draws the scene; returns its legend.
     fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelKey;
 
-    /// Draws below the scene, from a height on, within the width of a box; the height at which that ends.
+    /// Draws below the scene, from a height on, within the width of a box; returns the height at which that ends.
     fn draw_foot(&self, _room: PaperBox, top_pt: f64, _to: &mut Drawing) -> f64 {
         top_pt
     }
 }
 
-/// What a kind brings to pictures, on its orders.
+/// Pictures of a device kind, implemented by its orders.
 pub(super) trait Pictured {
-    /// The panels of a device, which has the order as its first one; none if another device's panel shows it.
+    /// The panels of a device whose first order this is; empty if another device's panel shows it.
     fn panels<'a>(&'a self, subject: Subject<'a>) -> Vec<Box<dyn Panel + 'a>>;
 }
 
@@ -91,10 +92,10 @@ fn pictured(order: &Order) -> &dyn Pictured {
     each_kind!(Order, order, order => order)
 }
 
-/// The bytes of the picture, of strobes or of one instant within the schedule.
+/// The bytes of the picture, with strobes or at one instant within the schedule.
 ///
 /// # Errors
-/// [`EmitError::OutsideSchedule`] for an instant after its end; [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
+/// [`EmitError::OutsideSchedule`] for an instant after the end; [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(verified: &Verified, moment_ns: Option<u64>) -> Result<Vec<u8>, EmitError> {
     let schedule = verified.schedule();
     if let Some(t_ns) = moment_ns.filter(|t_ns| *t_ns > schedule.duration_ns) {
@@ -150,7 +151,7 @@ fn composed(verified: &Verified, moment_ns: Option<u64>, panels: &[Box<dyn Panel
     document(verified, [width_mm, width_pt, height_pt], &to.into_body())
 }
 
-/// Panels side by side while they fit.
+/// Places panels side by side while they fit.
 fn rows<'p, 'a>(panels: &'p [Box<dyn Panel + 'a>], most: f64) -> Vec<Vec<&'p (dyn Panel + 'a)>> {
     const ROUNDING: f64 = 1e-6;
     let mut rows: Vec<(f64, Vec<&(dyn Panel + 'a)>)> = Vec::new();
@@ -166,7 +167,7 @@ fn rows<'p, 'a>(panels: &'p [Box<dyn Panel + 'a>], most: f64) -> Vec<Vec<&'p (dy
     rows.into_iter().map(|(_, row)| row).collect()
 }
 
-/// Name, duration and costs; the height at which they end.
+/// Draws name, duration and costs; returns the height at which they end.
 fn heading(verified: &Verified, moment_ns: Option<u64>, inside: PaperBox, to: &mut Drawing) -> f64 {
     let schedule = verified.schedule();
     let width_pt = inside.right - inside.left;
@@ -196,7 +197,8 @@ fn heading(verified: &Verified, moment_ns: Option<u64>, inside: PaperBox, to: &m
     top_pt + 6.0
 }
 
-/// Draws a panel with all that belongs to it, from the top of a box on; its legend and the height at which it ends.
+/// Draws a panel with its title, foot and notes from the top of a box; returns its legend and the height at which it
+/// ends.
 fn draw_panel(panel: &dyn Panel, inside: PaperBox, to: &mut Drawing) -> (PanelKey, f64) {
     let width_pt = inside.right - inside.left;
     let title = letters::cut(&panel.title(), width_pt / TEXT_PT, true);

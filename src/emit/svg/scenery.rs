@@ -1,4 +1,4 @@
-//! What pictures of all kinds share: obstacles, names and numbers, and paths that are no longer than paper shows.
+//! Drawing shared by the pictures of all kinds: obstacles, names, numbers, and paths limited to what paper shows.
 
 use super::drawing::{Drawing, HAIR_PT, Ink, Letters, PaperView, PlacedLabel};
 use super::strobe::ranges;
@@ -6,7 +6,7 @@ use crate::geometry::{Core, Pose, Shape};
 use crate::real::Real;
 use nalgebra::Point2;
 
-/// Greatest number of obstacles that are drawn.
+/// Greatest number of drawn obstacles.
 pub const MAX_OBSTACLES: usize = 4_000;
 
 /// Greatest number of obstacles, or of parts, with names.
@@ -15,7 +15,7 @@ pub const MAX_NAMES: usize = 60;
 /// Greatest number of corners of one path.
 pub const MAX_CORNERS: usize = 5_000;
 
-/// White rim of a scene, as a share of its larger side.
+/// Margin of a scene, as a share of its larger side.
 const RIM: f64 = 0.03;
 
 /// A path with at most [`MAX_CORNERS`] corners.
@@ -47,7 +47,7 @@ pub fn ordinal(number: u32) -> String {
     format!("{number}{ending}")
 }
 
-/// A path without repeated points, and without points on the straight way from the one before to the next.
+/// A path without repeated points and without points on the straight line between their neighbours.
 pub fn simplified(places: impl IntoIterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     const ROUNDING: f64 = 1e-9;
     let mut way: Vec<[f64; 2]> = Vec::new();
@@ -68,7 +68,7 @@ pub fn simplified(places: impl IntoIterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     way
 }
 
-/// The smallest box about places, grown by a length and a rim.
+/// The bounding box of places, grown by a length and a margin.
 pub fn about(places: impl IntoIterator<Item = [f64; 2]>, more: f64) -> [[f64; 2]; 2] {
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
@@ -85,7 +85,7 @@ pub fn about(places: impl IntoIterator<Item = [f64; 2]>, more: f64) -> [[f64; 2]
     [low.map(|value| value - rim), high.map(|value| value + rim)]
 }
 
-/// The place of something at an instant, by its places at instants in order; it moves steadily between two of them.
+/// The position at an instant, interpolated linearly between places at instants in order.
 pub fn between<T>(places: &[(u64, T)], t_ns: u64, place: impl Fn(&T) -> [f64; 2]) -> Option<[f64; 2]> {
     let after = places.partition_point(|(other_ns, _)| *other_ns <= t_ns);
     let (start_ns, here) = places.get(after.saturating_sub(1))?;
@@ -103,7 +103,8 @@ pub fn between<T>(places: &[(u64, T)], t_ns: u64, place: impl Fn(&T) -> [f64; 2]
     }
 }
 
-/// Draws a shape at its pose, grown by a length. One that cannot be placed, which the checker refuses, is not drawn.
+/// Draws a shape at its pose, grown by a length. A shape that cannot be placed, which the checker refuses, is not
+/// drawn.
 pub fn solid(shape: &Shape, pose: &Pose, growth_um: f64, color: &'static str, view: &PaperView, to: &mut Drawing) {
     let Ok(body) = shape.grown(pose, growth_um) else { return };
     let radius_pt = body.radius_um * view.scale;
@@ -117,17 +118,17 @@ pub fn solid(shape: &Shape, pose: &Pose, growth_um: f64, color: &'static str, vi
     }
 }
 
-/// The name of a thing, on it or beside it.
+/// The name of an object, on it or beside it.
 pub fn name(name: &str, at: [f64; 2]) -> PlacedLabel {
     PlacedLabel { text: name.to_owned(), letters: Letters::SMALL, at, radius_pt: 2.0, may_cover: true }
 }
 
-/// The numbers of a place.
+/// The strobe numbers of a place.
 pub fn numbers(numbers: &[usize], at: [f64; 2], radius_pt: f64) -> PlacedLabel {
     PlacedLabel { text: ranges(numbers), letters: Letters::SMALL, at, radius_pt, may_cover: false }
 }
 
-/// The middle of the box about a placed shape.
+/// The middle of the bounding box of a placed shape.
 pub fn middle(shape: &Shape, pose: &Pose) -> [f64; 2] {
     let own = [pose.x_um, pose.y_um];
     let Ok(body) = shape.grown(pose, 0.0) else { return own };
@@ -139,7 +140,7 @@ pub fn middle(shape: &Shape, pose: &Pose) -> [f64; 2] {
     [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0]
 }
 
-/// `obstacle`, or how many of how many are drawn.
+/// Legend text of obstacles, with their number if not all are drawn or named.
 pub fn obstacles_text(all: usize, drawn: usize) -> String {
     match all {
         0 | 1 => "obstacle".to_owned(),
@@ -149,7 +150,7 @@ pub fn obstacles_text(all: usize, drawn: usize) -> String {
     }
 }
 
-/// Points round a circle or a part of it, from one angle to another in radians.
+/// Points of a circle or an arc, from one angle to another in radians.
 pub fn arc([x, y]: [f64; 2], radius_um: f64, [from_rad, to_rad]: [f64; 2]) -> Vec<[f64; 2]> {
     const CORNERS: u32 = 48;
     let corner = |index: u32| {

@@ -6,22 +6,23 @@ use std::collections::BTreeSet;
 /// Greatest number of numbered instants in a panel.
 pub const MAX_STROBES: usize = 12;
 
-/// Greatest number of numbers in a panel, over all that moves there.
+/// Greatest number of numbers in a panel, over all movers.
 pub const MAX_NUMBERS: usize = 72;
 
-/// Places nearer than this on paper have one label.
+/// Places nearer than this on paper share one label.
 const CLUSTER_PT: f64 = 4.0;
 
 /// The instants of a panel, in order; the first is number 1.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Strobes {
     pub instants: Vec<u64>,
-    /// What is left out, in words.
+    /// Note on omitted instants.
     pub note: Option<String>,
 }
 
 impl Strobes {
-    /// Of all instants the first, the last, the stops among them, and others evenly between these while there are few.
+    /// Chooses among all instants: the first, the last and the stops, and others evenly between these while there are
+    /// few.
     pub fn chosen(all: &BTreeSet<u64>, stops: &BTreeSet<u64>, most: usize) -> Strobes {
         let most = most.max(2);
         if all.len() <= most {
@@ -43,19 +44,19 @@ impl Strobes {
         Strobes { instants: chosen.into_iter().collect(), note: Some(note) }
     }
 
-    /// The numbers with their instants.
+    /// The strobe numbers with their instants.
     pub fn numbered(&self) -> impl Iterator<Item = (usize, u64)> + '_ {
         (1..).zip(self.instants.iter().copied())
     }
 
-    /// `1: 0 s, 2: 15 ms`; no line ends between a number and its time.
+    /// `1: 0 s, 2: 15 ms`; no line breaks between a number and its time.
     pub fn times(&self) -> String {
         let one = |(number, t_ns): (usize, u64)| format!("{number}: {}", time(t_ns)).replace(' ', "\u{a0}");
         self.numbered().map(one).collect::<Vec<_>>().join(", ")
     }
 }
 
-/// The instant that halves the longest time without a chosen one best.
+/// The instant nearest to the middle of the longest gap between chosen instants.
 fn between(all: &BTreeSet<u64>, chosen: &BTreeSet<u64>) -> Option<u64> {
     let gaps =
         chosen.iter().zip(chosen.iter().skip(1)).filter(|(from, to)| all.range(*from + 1..**to).next().is_some());
@@ -64,29 +65,29 @@ fn between(all: &BTreeSet<u64>, chosen: &BTreeSet<u64>) -> Option<u64> {
     all.range(from + 1..*to).copied().min_by_key(|t_ns| t_ns.abs_diff(middle))
 }
 
-/// At most so many of a list, evenly, the first and the last among them.
+/// At most `most` elements of a list, evenly spaced, including the first and the last.
 fn evenly(list: &[u64], most: usize) -> impl Iterator<Item = u64> {
     let count = list.len().min(most);
     let last = list.len().saturating_sub(1);
     (0..count).map(move |index| list[if count > 1 { index * last / (count - 1) } else { 0 }])
 }
 
-/// A time for people.
+/// A time for readers.
 pub fn time(t_ns: u64) -> String {
     micro(&Quantity::time_ns(t_ns).to_string())
 }
 
-/// A length for people.
+/// A length for readers.
 pub fn length(um: f64) -> String {
     micro(&Quantity::length_um(um).to_string())
 }
 
-/// The text with its micrometres and microseconds as papers write them.
+/// The text with `µ` in the units of micrometres, microseconds and micronewtons.
 pub fn micro(text: &str) -> String {
     text.replace(" um", " µm").replace(" us", " µs").replace(" uN", " µN")
 }
 
-/// Numbers in a row as ranges: `1, 3–5`.
+/// Ascending numbers as ranges: `1, 3–5`.
 pub fn ranges(numbers: &[usize]) -> String {
     let mut parts: Vec<(usize, usize)> = Vec::new();
     for &number in numbers {
@@ -103,7 +104,7 @@ pub fn ranges(numbers: &[usize]) -> String {
     parts.iter().map(part).collect::<Vec<_>>().join(", ")
 }
 
-/// A place of something that moves, with the numbers and instants at which it is there.
+/// A place of a mover, with the numbers and instants of its strobes there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StrobedPlace {
     pub place: [f64; 2],
@@ -111,7 +112,7 @@ pub struct StrobedPlace {
 }
 
 impl StrobedPlace {
-    /// The places of something at the strobes, each once, in the order in which it comes to them.
+    /// The places of a mover at the strobes, each once, in order of first visit.
     pub fn all(strobes: &Strobes, mut place: impl FnMut(u64) -> Option<[f64; 2]>) -> Vec<StrobedPlace> {
         let mut places: Vec<StrobedPlace> = Vec::new();
         for (number, t_ns) in strobes.numbered() {
@@ -124,7 +125,7 @@ impl StrobedPlace {
         places
     }
 
-    /// Nearby places on paper with the numbers of all, each at the first of them.
+    /// Merges places near each other on paper; each cluster lies at its first place and has the numbers of all.
     pub fn clustered<'p>(
         places: impl IntoIterator<Item = (&'p StrobedPlace, [f64; 2])>,
     ) -> Vec<([f64; 2], Vec<usize>)> {

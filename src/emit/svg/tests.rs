@@ -112,7 +112,7 @@ fn a_robot_is_drawn_with_its_stops_and_modules() {
     }
 }
 
-/// The states of a plan are drawn where they are, also one by one.
+/// The states of a plan are drawn at their positions, also one by one.
 #[test]
 fn at_a_state_the_place_of_the_state_is_drawn() {
     let fetch = fixture::fetch().verified;

@@ -1,4 +1,4 @@
-//! Fixtures with instruments behind their channels.
+//! Fixtures with instruments wired to their channels.
 
 use crate::device::instrument::{
     AXIS_LETTERS, Bench, Direction, Drive, Instrument, InstrumentFacts, Link, MachineControllerFacts, StageLimits,
@@ -8,7 +8,7 @@ use crate::emit::fixture::FixtureSchedule;
 use crate::schedule::ChannelUnit;
 use crate::source::Span;
 
-/// A generator as most labs have one, but with an output for every channel.
+/// A common laboratory generator, but with an output for every channel.
 pub fn generator() -> WaveformGeneratorFacts {
     WaveformGeneratorFacts {
         outputs: 4096,
@@ -20,18 +20,19 @@ pub fn generator() -> WaveformGeneratorFacts {
     }
 }
 
-/// One that plays every nanosecond, as no lab has it.
+/// A generator that plays every nanosecond, unlike any real one.
 pub fn fast_generator() -> WaveformGeneratorFacts {
     let generator = generator();
     WaveformGeneratorFacts { voltage: VoltageOutput { rate_hz: 1e9, ..generator.voltage }, ..generator }
 }
 
-/// All channels on one generator `awg`, voltages behind an amplifier x 50, positions behind drivers of 0.1 V/um from -1 V on.
+/// All channels on one generator `awg`: voltages behind a 50x amplifier, positions behind drivers of 0.1 V/um from -1
+/// V.
 pub fn on_generators(fixture: FixtureSchedule) -> FixtureSchedule {
     on(fixture, generator())
 }
 
-/// All channels on a generator of these facts.
+/// All channels on a generator with these facts.
 pub fn on(fixture: FixtureSchedule, facts: WaveformGeneratorFacts) -> FixtureSchedule {
     fixture.changed(|schedule| {
         let facts = InstrumentFacts::WaveformGenerator(facts);
@@ -51,8 +52,8 @@ pub fn on(fixture: FixtureSchedule, facts: WaveformGeneratorFacts) -> FixtureSch
     })
 }
 
-/// The nine stages of a hand as the axes of a machine, the first channel on the last letter; every other stage counts backwards from
-/// the middle of its travel of 1 mm.
+/// The nine stages of a hand as the axes of a machine, the first channel on the last letter; every other stage counts
+/// backwards from the middle of its travel of 1 mm.
 pub fn on_machine(fixture: FixtureSchedule) -> FixtureSchedule {
     fixture.changed(|schedule| {
         let facts = InstrumentFacts::MachineController(MachineControllerFacts { axes: 9, rate_hz: 20e3 });

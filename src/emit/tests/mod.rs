@@ -25,7 +25,8 @@ fn code(format: Format, verified: &Verified) -> Code {
     error.diagnostic().code
 }
 
-/// The formats that a fixture can be written in: G-code is of stages only, and instruments play what is wired to them.
+/// The formats that a fixture can be written in: G-code is for stages only, and instruments play the channels wired to
+/// them.
 fn formats(verified: &Verified) -> impl Iterator<Item = Format> {
     let all_stages = verified.schedule().channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
     let is_wired = !verified.schedule().bench.is_empty();
@@ -115,8 +116,9 @@ fn what_is_not_finite_is_refused() {
     }
 }
 
-/// Writes every format of every fixture into the folder that `TWEEZE_FIXTURES` names, for `tests/oracles/run.py`; fixtures with
-/// slopes, which not every format can represent, into its folder `slopes`, and a long drive train into `trains`.
+/// Writes every format of every fixture into the folder that `TWEEZE_FIXTURES` names, for `tests/oracles/run.py`.
+/// Fixtures with slopes, which not every format can represent, go into its folder `slopes`, and a long drive train into
+/// `trains`.
 #[test]
 #[ignore = "writes files: for the judges under tests/oracles"]
 fn write_fixtures() {
@@ -178,7 +180,7 @@ fn write_fixtures() {
     }
 }
 
-/// Hands on controllers of PI and SmarAct, and on a machine.
+/// Writes hands on PI and SmarAct controllers, and on a machine.
 fn write_controllers(folder: &std::path::Path) {
     std::fs::create_dir_all(folder).unwrap();
     for (name, facts) in [("pi", super::stages::tests::gcs(9000)), ("smaract", super::stages::tests::mcs2())] {
@@ -204,7 +206,7 @@ fn write(folder: &std::path::Path, format: Format, fixture: &FixtureSchedule) {
 /// A change of a document.
 type Edit = fn(&mut serde_json::Value);
 
-/// The JSON of the pair, and whether the schema and the reader take it.
+/// The JSON of the pair after a change, judged: whether the schema and the reader accept it.
 fn judged(change: impl FnOnce(&mut serde_json::Value)) -> (bool, bool) {
     judged_of(fixture::pair(), change)
 }
@@ -258,7 +260,7 @@ fn json_keeps_to_its_schema() {
 #[test]
 fn numbers_of_json_have_one_unit_each_at_the_end_of_their_keys() {
     const UNITS: [&str; 10] = ["um", "deg", "ns", "v", "hz", "v_per_um", "v_per_s", "um_per_s", "um_per_s2", "j"];
-    /// A factor, and what stands beside a `unit`: that of the plan, or that of the channel.
+    /// Keys without a unit suffix: a factor, and values whose unit is the `unit` of their plan or channel.
     const WITHOUT: [&str; 5] = ["gain", "cost", "bound", "from", "to"];
     let schema: serde_json::Value =
         serde_json::from_str(include_str!("../../../schema/schedule.schema.json")).expect("the schema is JSON");
@@ -275,7 +277,7 @@ fn numbers_of_json_have_one_unit_each_at_the_end_of_their_keys() {
     let has_unit = |key: &str| UNITS.iter().any(|unit| key.ends_with(&format!("_{unit}")));
     let bare: Vec<&str> = keys.into_iter().filter(|key| !has_unit(key) && !WITHOUT.contains(key)).collect();
     assert_eq!(bare, [""; 0]);
-    // Outcomes have theirs from the vocabulary.
+    // Keys of outcomes come from the vocabulary.
     let outcomes = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().outcomes).map(Outcome::key);
     let listed = schema["$defs"]["outcomes"]["properties"].as_object().expect("outcomes by key");
     assert_eq!(outcomes.collect::<BTreeSet<String>>(), listed.keys().cloned().collect());
@@ -413,7 +415,7 @@ fn signals_tell_every_edge_of_swings_once() {
         [[4.0; 2], [0.0; 2], [1.0, 3.0], [6.0, 8.0], [0.0; 2]]
     );
     for channels in [0..3, 0..1, 1..2, 2..3] {
-        // By looking at every nanosecond.
+        // Brute force over every nanosecond.
         let jumps = |t_ns: &u64| {
             channels.clone().any(|channel| signals.value_before(channel, *t_ns) != signals.value(channel, *t_ns))
         };

@@ -119,7 +119,7 @@ fn gcode_moves_the_axes_that_wires_name_in_places_of_their_own_travel() {
         "{text}"
     );
     let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with(';')).collect();
-    // Of half of the tolerance of 50 nm, a cycle of 50 us cuts less than 5 nm at the sharpest turn.
+    // Half of the tolerance of 50 nm, less the under 5 nm that a cycle of 50 us cuts at the sharpest turn.
     assert!(lines[2].starts_with("G64 P0.000020 ; "), "{}", lines[2]);
     assert!(lines[4].ends_with(" B0.500000 C0.528500"), "{}", lines[4]);
     assert_eq!(lines[6..8], ["G4 P0.007000000", "G1 C0.518500 F600"]);

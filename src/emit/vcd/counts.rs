@@ -1,8 +1,8 @@
 //! Positions as encoder counts.
 //!
-//! Input: a channel of positions. Output: the instants at which its nearest multiple of [`COUNT_UM`] changes, each with the new
-//! one. Promise: at every nanosecond the current count is within half of [`COUNT_UM`] of the position, except for
-//! rounding.
+//! Input: a channel of positions. Output: the instants at which its nearest multiple of [`COUNT_UM`] changes, each with
+//! the new multiple. Guarantee: at every nanosecond the current count is within half of [`COUNT_UM`] of the position,
+//! except for rounding.
 
 use crate::emit::Signals;
 use crate::schedule::{Actuation, ChannelUnit};
@@ -10,7 +10,7 @@ use crate::schedule::{Actuation, ChannelUnit};
 /// Length of one count, in micrometres.
 pub const COUNT_UM: f64 = 1.0 / COUNTS_PER_UM;
 
-/// A whole number, so that a count over it is the nearest number to its decimal form.
+/// A whole number, so that a count divided by it is the nearest number to its decimal form.
 const COUNTS_PER_UM: f64 = 100.0;
 
 /// The nearest multiple of [`COUNT_UM`].
@@ -19,11 +19,11 @@ pub fn counted(position_um: f64) -> f64 {
 }
 
 fn count(position_um: f64) -> f64 {
-    // Not minus zero.
+    // Adding 0 turns minus zero into zero.
     (position_um * COUNTS_PER_UM).round() + 0.0
 }
 
-/// No fewer than the changes of all channels of positions.
+/// Upper bound on the number of changes of all position channels.
 pub fn number(signals: &Signals) -> u64 {
     let of_actuation = |actuation: &&Actuation| ((actuation.to - actuation.from).abs() * COUNTS_PER_UM) as u64 + 2;
     let actuations = signals.in_unit(ChannelUnit::Micrometre).flat_map(|channel| signals.of(channel));
@@ -33,7 +33,7 @@ pub fn number(signals: &Signals) -> u64 {
 /// The counts of a channel from each instant on, in order of time.
 pub struct Counts<'a> {
     actuations: std::slice::Iter<'a, &'a Actuation>,
-    /// Current ramp, and how many of its steps were written.
+    /// The current ramp, and the number of its steps already returned.
     line: Option<(&'a Actuation, f64)>,
 }
 
@@ -61,7 +61,7 @@ impl Iterator for Counts<'_> {
     }
 }
 
-/// Where a line goes over from a count to the next one, and that one.
+/// The instant at which a ramp passes to the next count, and that count.
 fn change(actuation: &Actuation, count: f64, sign: f64) -> (u64, f64) {
     let at_um = (count + sign / 2.0) / COUNTS_PER_UM;
     let share = ((at_um - actuation.from) / (actuation.to - actuation.from)).clamp(0.0, 1.0);

@@ -1,20 +1,22 @@
-//! VCD (IEEE 1364-2005, clause 18): waveforms for GTKWave, sigrok and PulseView, and similar viewers; and a GTKWave save file.
+//! VCD (IEEE 1364-2005, clause 18): waveforms for GTKWave, sigrok, PulseView and similar viewers, and a GTKWave save
+//! file.
 //!
-//! A device is a scope. A variable in it has the channel's whole name with `_` for dots, `bot_bl0_set`, because GTKWave and sigrok
-//! show only the last part of a name. A wired channel is found a second time in the scope `wires`, under the wire's name. A comment
-//! for each channel says what its variable means:
+//! Each device is a scope. A variable in it has the channel's whole name with `_` for dots, `bot_bl0_set`, because
+//! GTKWave and sigrok show only the last part of a name. A wired channel appears a second time in the scope `wires`,
+//! under the wire's name. A comment for each channel states the meaning of its variables:
 //!
-//! - A voltage that is either 0 V or one other voltage is a 1-bit `wire`, which logic analysers take; the comment has the voltage.
+//! - A voltage that is either 0 V or one other voltage is a 1-bit `wire`, which logic analysers accept; the comment has
+//!   the voltage.
 //! - Other voltages are `real`, in volts. sigrok up to 0.5.2 leaves these out.
-//! - A channel with drive trains is a `wire` that is 1 while a train runs, `fleet_bed_train`, and three `real`s that change only
-//!   where a train begins or ends: `fleet_bed_first` and `fleet_bed_second` in volts, `fleet_bed_period_ns`. Half of each period is
-//!   at the first level, then half at the second, counted from the last change of one of the four. Without a train, both levels are
-//!   the voltage and the period is 0.
-//! - A position changes continuously, and VCD has steps only. So it is written as the counts of an encoder of 10 nm: at every
-//!   nanosecond the nearest multiple of [`COUNT_UM`].
+//! - A channel with drive trains is a `wire` that is 1 while a train runs, `fleet_bed_train`, and three `real`s that
+//!   change only where a train begins or ends: `fleet_bed_first` and `fleet_bed_second` in volts,
+//!   `fleet_bed_period_ns`. Half of each period is at the first level, then half at the second, counted from the last
+//!   change of one of the four. Without a train, both levels are the voltage and the period is 0.
+//! - A position changes continuously, and VCD has steps only, so it is written as the counts of a 10 nm encoder: at
+//!   every nanosecond the nearest multiple of [`COUNT_UM`].
 //!
-//! The timescale is the longest of 1 ns, 10 ns, ... 1 s in which every instant is a whole number, since sigrok makes a sample of
-//! each unit.
+//! The timescale is the longest of 1 ns, 10 ns, ... 1 s that divides every instant, since sigrok makes a sample of each
+//! unit.
 
 mod counts;
 mod variables;
@@ -37,7 +39,7 @@ const CHANGE_BYTES: u64 = 10;
 /// The scope of the physical outputs.
 const WIRES: &str = "wires";
 
-/// The units of time, each ten times the one before, from a nanosecond on.
+/// Time units of VCD from a nanosecond up, each ten times the one before.
 const TIMESCALES: [&str; 10] = ["1 ns", "10 ns", "100 ns", "1 us", "10 us", "100 us", "1 ms", "10 ms", "100 ms", "1 s"];
 
 /// The waveforms, and the save file with which GTKWave shows them.
@@ -71,7 +73,7 @@ pub(super) fn write(signals: &Signals) -> Result<[Vec<u8>; 2], EmitError> {
     Ok([text.into_bytes(), view.into_bytes()])
 }
 
-/// The longest unit of time of which every instant is a multiple: in nanoseconds, and by its name.
+/// The longest time unit that divides every instant: its nanoseconds and its name.
 fn timescale(signals: &Signals) -> (u64, &'static str) {
     let duration_ns = signals.schedule.duration_ns;
     let instants = signals.breaks(0..signals.schedule.channels.len());
@@ -128,7 +130,7 @@ fn changes(text: &mut String, signals: &Signals, variables: &[Variable], unit_ns
     }
 }
 
-/// Values of variables, in order of time, then of variable; some are no changes.
+/// Values of variables, in order of time, then of variable; consecutive ones may be equal.
 fn values<'a>(signals: &'a Signals, variables: &'a [Variable]) -> impl Iterator<Item = (u64, usize, f64)> + 'a {
     let of_variable = |variable: &'a Variable| -> Box<dyn Iterator<Item = (u64, f64)> + 'a> {
         match signals.unit(variable.channel) {
@@ -152,7 +154,7 @@ fn values<'a>(signals: &'a Signals, variables: &'a [Variable]) -> impl Iterator<
     })
 }
 
-/// A text as one word: a reader ends names at blanks.
+/// A text as one word, since readers end names at blanks.
 fn word(text: &str) -> String {
     let plain = |c: char| if c.is_ascii_graphic() && c != '$' { c } else { '_' };
     text.chars().map(plain).collect()

@@ -1,4 +1,4 @@
-//! What the variables of a VCD file hold of their channels.
+//! The variables of a VCD file and how they represent channels.
 
 use super::counts::{self, COUNT_UM};
 use super::plain;
@@ -8,19 +8,19 @@ use crate::emit::signal::{Drive, Signals};
 use crate::schedule::{Channel, ChannelUnit};
 use std::fmt::Write as _;
 
-/// How a channel is written.
+/// Representation of a channel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Form {
-    /// A voltage that is either 0 V or this one; `None` where it is 0 V throughout.
+    /// A voltage that is either 0 V or this one; `None` if it is always 0 V.
     Switch(Option<f64>),
     Volts,
-    /// With drive trains, in four variables.
+    /// A channel with drive trains, in four variables.
     Train,
     Counts,
 }
 
 impl Form {
-    /// The narrowest form of a channel.
+    /// The narrowest form that represents a channel.
     pub fn new(signals: &Signals, channel: usize) -> Form {
         match signals.unit(channel) {
             ChannelUnit::Micrometre => Form::Counts,
@@ -34,7 +34,7 @@ impl Form {
         }
     }
 
-    /// What the comment of the channel says of it and its variables.
+    /// Explanation of the channel and its variables in its comment.
     fn says(&self, names: &[&str]) -> String {
         match (self, names) {
             (Form::Switch(Some(volts)), _) => format!(", 1 stands for {volts} V"),
@@ -58,7 +58,7 @@ impl Form {
     }
 }
 
-/// What one variable holds.
+/// Meaning of one variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     Switch,
@@ -71,7 +71,7 @@ pub enum Part {
 }
 
 impl Part {
-    /// Whether it is 0 or 1.
+    /// Whether the value is 0 or 1.
     pub fn is_bit(self) -> bool {
         match self {
             Part::Switch | Part::Train => true,
@@ -98,11 +98,12 @@ pub struct Variable {
     pub name: String,
     wire: Option<String>,
     code: String,
-    /// As `code` for numbers. Bits have one of their own, because sigrok up to 0.5.2 changes only the first variable of a code.
+    /// Same as `code` for numbers. Bits have a separate one, because sigrok up to 0.5.2 changes only the first variable
+    /// of a code.
     wire_code: String,
 }
 
-/// The variables of all channels, in the order of the channels.
+/// The variables of all channels, in channel order.
 pub fn all(signals: &Signals, forms: &[Form]) -> Vec<Variable> {
     let channels = &signals.schedule.channels;
     let parts =
@@ -126,7 +127,7 @@ pub fn all(signals: &Signals, forms: &[Form]) -> Vec<Variable> {
         .collect()
 }
 
-/// The comment of a channel, whose variables these are: what they mean.
+/// The comment of a channel, which explains its variables.
 pub fn comment(channel: &Channel, form: &Form, variables: &[Variable]) -> String {
     let names: Vec<&str> = variables.iter().map(|variable| variable.name.as_str()).collect();
     let first = names.first().copied().unwrap_or_default();
@@ -138,12 +139,12 @@ pub fn comment(channel: &Channel, form: &Form, variables: &[Variable]) -> String
 }
 
 impl Variable {
-    /// The line that declares it.
+    /// Its declaration line.
     pub fn declaration(&self) -> String {
         self.declared(&self.name, &self.code)
     }
 
-    /// The line that declares it in the scope of wires, if its channel is wired.
+    /// Its declaration line in the scope of wires, if its channel is wired.
     pub fn wire_declaration(&self) -> Option<String> {
         self.wire.as_ref().map(|wire| self.declared(wire, &self.wire_code))
     }
@@ -153,7 +154,7 @@ impl Variable {
         format!("$var {kind} {code} {name} $end\n")
     }
 
-    /// Its value at an instant; where it jumps, the new one.
+    /// Its value at an instant; at a jump, the new one.
     pub fn value(&self, signals: &Signals, t_ns: u64) -> f64 {
         let is_one = |one: bool| if one { 1.0 } else { 0.0 };
         let Drive { levels: [first, second], period_ns, .. } = signals.drive(self.channel, t_ns);
@@ -167,7 +168,7 @@ impl Variable {
         }
     }
 
-    /// Adds the lines of a change.
+    /// Appends the lines of a change.
     pub fn write(&self, text: &mut String, value: f64) {
         let Variable { code, wire_code, .. } = self;
         if !self.part.is_bit() {
@@ -181,7 +182,7 @@ impl Variable {
     }
 }
 
-/// The short code of a variable: printable characters, here letters only, which every reader takes.
+/// The short code of a variable; VCD allows printable characters, here only letters, which every reader accepts.
 fn code(mut index: usize) -> String {
     let mut code = String::new();
     loop {

@@ -1,7 +1,7 @@
-//! A save file of GTKWave beside a VCD file: its variables as rows, grouped by device, the whole schedule in view.
+//! A GTKWave save file beside a VCD file: its variables as rows, grouped by device, with the whole schedule in view.
 //!
-//! Flags of rows are those of GTKWave's own save files: hexadecimal sums of 0x8 binary, 0x20 aligned to the right, 0x400 signed,
-//! 0x8000 drawn as steps, 0x20000 room for the row above, 0x800200 and 0x1000200 the begin and the end of a group.
+//! Row flags are those of GTKWave's own save files, hexadecimal sums of: 0x8 binary, 0x20 right-aligned, 0x400 signed,
+//! 0x8000 drawn as steps, 0x20000 room for the row above, 0x800200 and 0x1000200 begin and end of a group.
 
 use super::Signals;
 use super::variables::{Form, Variable};
@@ -17,10 +17,10 @@ const GROUP_END: &str = "@1000200";
 /// The units in which GTKWave counts time, in nanoseconds: a timescale of 10 us or 100 us is counted in microseconds.
 const SCALES_NS: [u64; 4] = [1_000_000_000, 1_000_000, 1000, 1];
 
-/// Units of time that a window shows at zoom 0.
+/// Time units that a window shows at zoom 0.
 const UNITS_IN_WINDOW: u64 = 4;
 
-/// The save file. Channels that stay at 0 V throughout come last in their device.
+/// The save file. Channels that are always at 0 V come last in their device.
 pub fn write(
     signals: &Signals,
     scopes: &BTreeMap<&str, String>,

@@ -12,7 +12,7 @@ use crate::quantity::{Dimension, Quantity, digits, fraction};
 use crate::source::Span;
 use std::collections::BTreeSet;
 
-/// The operations of an assay stay for more steps than a plan may have.
+/// The stays of an assay take more steps than a plan may have.
 pub fn stays_too_long(span: Span, [steps, most_steps]: [u64; 2], step_ns: u64) -> Diagnostic {
     let most = Quantity::new(most_steps as f64 * step_ns as f64 / 1e9, Dimension::TIME);
     let one = Quantity::time_ns(step_ns);
@@ -23,17 +23,17 @@ pub fn stays_too_long(span: Span, [steps, most_steps]: [u64; 2], step_ns: u64) -
         .help(format!("stays of one `assay` may take {most} together: split it, with `wait` where all droplets rest"))
 }
 
-/// Why a part is gone, and where the program says so.
+/// Reason why a part is gone, and the place in the program that removed it.
 #[derive(Debug, Clone, Copy)]
 pub enum Departure {
-    /// It has merged with another.
+    /// It has merged with another part.
     Merged(Span),
     /// It has left the board.
     Left(Span),
 }
 
 impl Departure {
-    /// The part that an operation takes away.
+    /// The part that an operation removes, with the reason.
     pub fn of(operation: &AssayOperation) -> Option<(usize, Departure)> {
         let departure = if operation.leaves { Departure::Left } else { Departure::Merged };
         operation.gone().map(|part| (part, departure(operation.span)))
@@ -55,7 +55,7 @@ pub fn gone_before(span: Span, name: &str, departure: Departure) -> Diagnostic {
     }
 }
 
-/// A droplet that is dispensed below the operation in which it merges.
+/// A droplet that is dispensed after the operation in which it merges.
 pub fn dispensed_after_merging(span: Span, name: &str, merged: Span) -> Diagnostic {
     Diagnostic::new(Code::E0526, format!("`{name}` is dispensed after it has merged with another part"))
         .label(span, "comes onto the board only here")
@@ -63,7 +63,7 @@ pub fn dispensed_after_merging(span: Span, name: &str, merged: Span) -> Diagnost
         .help("operations of a part take place in the order of the program: write the `dispense` above")
 }
 
-/// A part without a place before its `dispense`.
+/// A part without a place, used before its `dispense`.
 pub fn not_there_yet(span: Span, part: &BoardPart) -> Diagnostic {
     let name = &part.name;
     Diagnostic::new(Code::E0555, format!("`{name}` is not on the board by then"))
@@ -74,7 +74,7 @@ pub fn not_there_yet(span: Span, part: &BoardPart) -> Diagnostic {
         ))
 }
 
-/// A part that stands on the board since a place in the source, and is to be dispensed.
+/// A part that is dispensed although it has been on the board since a place in the source.
 pub fn there_already(span: Span, name: &str, since: Span) -> Diagnostic {
     Diagnostic::new(Code::E0555, format!("`{name}` is on the board already"))
         .label(span, "cannot come again")
@@ -82,28 +82,28 @@ pub fn there_already(span: Span, name: &str, since: Span) -> Diagnostic {
         .help("each droplet has a name of its own: declare another `part` without `at`, or a list of them with `for`")
 }
 
-/// What comes after a part that has done nothing by then.
+/// `after` a part that has no operation above.
 pub fn nothing_to_come_after(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0564, format!("`{name}` does nothing above, so that nothing comes after it"))
         .label(span, "has no operation above")
         .help(format!("`after {name}` means after all that `{name}` does above: write its operations first"))
 }
 
-/// A longest time that counts from nothing.
+/// A longest time without a reference.
 pub fn within_of_nothing(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0573, "`within` says how soon after something else, and nothing is named")
         .label(span, "counts from nothing")
         .help("write `after PART within 20 s`; `after` the part itself counts from the end of its own operation above")
 }
 
-/// A choice of places in a step that has one goal for each part.
+/// `among` in a step that has one goal for each part.
 pub fn among_outside_assay(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0576, "`among` stands in an `assay`")
         .label(span, "no `assay` around it")
         .help("`assay { … }` plans operations and chooses their places; to let the plan choose which part comes to which goal, write `move any m to […]`")
 }
 
-/// A place that is given, and others to choose from.
+/// Both a fixed place and a choice of places.
 pub fn at_and_among(verb: &Verb, at: Span, among: Span) -> Diagnostic {
     Diagnostic::new(Code::E0509, format!("`at` and `among` stand in one `{}`", verb.name))
         .label(among, "the plan chooses one of these")
@@ -130,7 +130,7 @@ pub fn among_one_twice(stop: &ElectrodeArrayStop, first: Span) -> Diagnostic {
         .help("leave one of them out")
 }
 
-/// An order of operations among steps that have one anyway.
+/// `after` or `within` among steps, which have an order anyway.
 pub fn after_outside_assay(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0564, "`after` and `within` stand in an `assay`")
         .label(span, "no `assay` around it")
@@ -143,7 +143,7 @@ pub fn parts_are_not_dispensed(span: Span) -> Diagnostic {
         .help("give the part a place in the scene, as `part NAME at (5, 3)`")
 }
 
-/// Explains that a device must hold its droplets; `hold` is the field with which it turns that off.
+/// Adds that the device must hold its droplets; `hold` is the field that turns holding off.
 fn held(diagnostic: Diagnostic, hold: Option<Span>) -> Diagnostic {
     let diagnostic = match hold {
         Some(hold) => diagnostic.label(hold, "electrodes are on only to move a droplet"),
@@ -152,7 +152,7 @@ fn held(diagnostic: Diagnostic, hold: Option<Span>) -> Diagnostic {
     diagnostic.help("give the device `hold: true`")
 }
 
-/// `hold` is the field with which the device turns holding off.
+/// `hold` is the field that turns holding off.
 pub fn dispenses_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
     let title = "droplets are dispensed only on a device that holds them, but this one has `hold: false`";
     let diagnostic =
@@ -186,7 +186,7 @@ pub fn merges_with_itself(span: Span, name: &str) -> Diagnostic {
         .help("name two droplets of the scene")
 }
 
-/// `hold` is the field with which the device turns holding off.
+/// `hold` is the field that turns holding off.
 pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
     let diagnostic =
         Diagnostic::new(Code::E0529, "droplets merge only on a device that holds them, but this one has `hold: false`")
@@ -200,14 +200,14 @@ pub fn parts_do_not_split(span: Span) -> Diagnostic {
         .help("give the other part a place of its own in the scene, as `part NAME at (5, 3)`")
 }
 
-/// `hold` is the field with which the device turns holding off.
+/// `hold` is the field that turns holding off.
 pub fn splits_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
     let title = "droplets split only on a device that holds them, but this one has `hold: false`";
     let diagnostic = Diagnostic::new(Code::E0557, title).label(span, "two electrodes pull a droplet apart");
     held(diagnostic, hold)
 }
 
-/// The separation of the device is more than that of the droplets of a split.
+/// The device requires a greater separation than the two halves of a split have.
 pub fn halves_too_near(span: Span, device: &str, apart: u32) -> Diagnostic {
     let title = format!("the two droplets of a split are {SPLIT_APART} electrodes apart, but `{device}` keeps {apart}");
     Diagnostic::new(Code::E0557, title)
@@ -221,14 +221,14 @@ pub fn splits_from_itself(span: Span, name: &str) -> Diagnostic {
         .help("after `split` comes the new droplet, a `part` without `at` in the scene; the other one keeps its name")
 }
 
-/// Where a droplet is pulled apart, and the step that says so.
+/// The cell at which a droplet is split, and the step that splits it.
 #[derive(Debug, Clone, Copy)]
 pub struct SplitPlace {
     pub at: ElectrodeCell,
     pub span: Span,
 }
 
-/// A droplet of a split that is to come at a cell that is not beside that of the split.
+/// A half of a split that would come at a cell that is not beside that of the split.
 pub fn comes_not_beside(place: SplitPlace, to: ElectrodeCell, span: Span) -> Diagnostic {
     let SplitPlace { at, .. } = place;
     let beside = ElectrodeCell::new(at.column.saturating_add(1), at.row);
@@ -237,7 +237,8 @@ pub fn comes_not_beside(place: SplitPlace, to: ElectrodeCell, span: Span) -> Dia
         .help(format!("write `to {beside}`, or leave `to` out: that is the same; the other half goes the other way"))
 }
 
-/// A droplet that would go where it cannot be; `across` is a cell beside the split in the other direction that is free, as its opposite is.
+/// A half of a split that would come where it cannot be; `across` is a free cell beside the split in the perpendicular
+/// direction, whose opposite is free too.
 pub fn half_has_no_room(
     place: SplitPlace,
     name: &str,
@@ -261,13 +262,13 @@ pub fn parts_do_not_mix(span: Span) -> Diagnostic {
         .help("write `incubate` to leave a part where it is for a time")
 }
 
-/// A field `mixer` that is no loop.
+/// An invalid field `mixer`.
 pub fn no_mixing_loop(found: &Value) -> Diagnostic {
     let title = format!("a `mixer` has two columns and two rows or more, but this is {}", written(found));
     Diagnostic::new(Code::E0558, title).help("write the columns and the rows of the loop, as `mixer: (2, 4)`")
 }
 
-/// A mixing loop of some columns and rows with a cell that a droplet cannot take; `free` is a corner from which it can.
+/// A mixing loop with a cell that a droplet cannot take; `free` is a corner from which the loop is free.
 pub fn loop_blocked(
     name: &str,
     span: Span,
@@ -318,21 +319,21 @@ pub fn unknown_fluid(
     }
 }
 
-/// Microparts leave nothing behind.
+/// `avoid` or `wash` for microparts, which leave no traces.
 pub fn parts_leave_no_traces(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0565, "parts with (2, 2) electrodes leave no traces, but droplets with (1, 1)")
         .label(span, "not on this device")
         .help("leave the line out")
 }
 
-/// A wash where nothing is avoided.
+/// A wash in a task that avoids nothing.
 pub fn washes_nothing(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0565, "`wash` takes away traces, but this task avoids none")
         .label(span, "no `avoid` in the task")
         .help("say what must not come into what before it, as `avoid blood in serum`")
 }
 
-/// A fluid that washes, and whose traces, or which itself, a task keeps apart from others.
+/// A wash fluid that the task also avoids or protects.
 pub fn avoids_a_wash(span: Span, fluid: &str, wash: Span) -> Diagnostic {
     Diagnostic::new(Code::E0565, format!("`{fluid}` washes, so it leaves no traces and takes no harm"))
         .label(span, "avoids nothing")
@@ -340,7 +341,7 @@ pub fn avoids_a_wash(span: Span, fluid: &str, wash: Span) -> Diagnostic {
         .help("leave out this line, or wash with another fluid")
 }
 
-/// Wash droplets that no reservoir can dispense.
+/// Wash droplets from something other than a reservoir.
 pub fn washes_from_no_reservoir(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0565, format!("`{name}` is no reservoir, so no wash droplets come from it"))
         .label(span, "a part that is on the board")
@@ -355,7 +356,7 @@ pub fn washes_by_two(span: Span, earlier: Span) -> Diagnostic {
         .help("leave out one `to CELL`: a fluid without it washes where the program sends its droplets")
 }
 
-/// Traces that an earlier task on the same board has left.
+/// Traces that an earlier task has left on the same board.
 pub fn soiled_before(avoided: Span, fluid: &str, earlier: &Job) -> Diagnostic {
     let title =
         format!("the traces of `{fluid}` that `{}` has left on `{}` are not heeded", earlier.task, earlier.device);
@@ -365,14 +366,14 @@ pub fn soiled_before(avoided: Span, fluid: &str, earlier: &Job) -> Diagnostic {
         .help("write all operations into one `assay`; or clean the board in between, and say so in the first step: `prompt \"clean the board\"`")
 }
 
-/// More droplets than a board can have, with those that are added to wash.
+/// More droplets than a board can have, with the added wash droplets.
 pub fn too_many_washes(span: Span, washes: usize, parts: usize, most: usize) -> Diagnostic {
     Diagnostic::new(Code::E0522, format!("{washes} wash droplets beside {parts} parts; at most {most} are allowed"))
         .label(span, "adds them")
         .help("give fluids that harm each other places of their own, or divide the work among several tasks")
 }
 
-/// Steps beside the one assay of a task that avoids traces.
+/// Moving steps besides the single assay of a task that avoids traces.
 pub fn avoids_outside_assay(span: Span, avoided: Span) -> Diagnostic {
     Diagnostic::new(Code::E0565, "traces are avoided in one `assay`, and not from step to step")
         .label(span, "besides it")
@@ -380,14 +381,14 @@ pub fn avoids_outside_assay(span: Span, avoided: Span) -> Diagnostic {
         .help("write all operations of the task into one `assay { … }`; before it, the board counts as clean")
 }
 
-/// Two droplets that stop at one cell and harm each other.
+/// Two droplets that stop at one cell and contaminate each other.
 pub fn harms_at_one_place(span: Span, [left, comes]: [&str; 2], cell: ElectrodeCell) -> Diagnostic {
     Diagnostic::new(Code::E0565, format!("`{left}` and `{comes}` both stop at {cell}, and each contaminates the other"))
         .label(span, format!("`{left}` stops there too"))
         .help("give each a place of its own, or write `wash with FLUID to CELL`, which has a droplet of it pass there between the two")
 }
 
-/// A droplet that stops where one starts that harms it.
+/// A droplet that stops where another one starts that contaminates it.
 pub fn stops_where_another_starts(
     stop: Span,
     start: Span,
@@ -400,7 +401,8 @@ pub fn stops_where_another_starts(
         .help("give it another place, or write `wash with FLUID to CELL`, which has a droplet of it pass there between the two")
 }
 
-/// A droplet that ends where another one stops that harms it, and which the program names before that one or behind it.
+/// A droplet that ends where another one stops that contaminates it; `is_written_before` says whether the program sends
+/// the former there first.
 pub fn ends_where_another_stops(
     stop: Span,
     end: Span,
@@ -418,7 +420,7 @@ pub fn ends_where_another_stops(
         ))
 }
 
-/// A droplet that does not contain what the program requires; `contains` has all that it contains, in words.
+/// A droplet that does not contain what the program requires; `contains` describes its contents.
 pub fn other_content(
     content: &DropletContent,
     name: &str,
@@ -443,7 +445,7 @@ pub fn other_content(
     }
 }
 
-/// A droplet of which nothing is known, since it never comes.
+/// A required droplet that is never on the board.
 pub fn never_there(content: &DropletContent, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0559, format!("`{name}` is never on the board"))
         .label(content.span, "contains nothing")
@@ -471,8 +473,8 @@ pub fn volume_out_of_limits(
     Diagnostic::new(Code::E0559, title).label(span, "after this").help(help)
 }
 
-/// A droplet that has become so wide that it would touch another one on the board: each with its name, its volume and half of its width
-/// in electrodes; and how many electrodes keep two droplets apart.
+/// A droplet that has become so wide that it would touch another one on the board. Each has its name, its volume and
+/// half of its width in electrodes; `apart` is the separation in electrodes.
 pub fn wide_droplets(
     span: Span,
     [(name, volume, half_width), (other, others, others_half)]: [(&str, f64, f64); 2],
@@ -490,13 +492,13 @@ pub fn wide_droplets(
         ))
 }
 
-/// A limit that excludes every droplet that is dispensed.
+/// A volume limit that excludes every dispensed droplet.
 pub fn no_droplet_fits(field: &str, limit: f64) -> Diagnostic {
     Diagnostic::new(Code::E0559, format!("`{field}` is {}, but reservoirs dispense droplets of 1", fraction(limit)))
         .help("volumes are counted in droplets: a droplet of two that have merged is 2, half of one 1/2")
 }
 
-/// Most fluids that a message names.
+/// Most fluids that a message lists.
 const SHOWN_FLUIDS: usize = 6;
 
 fn words_of(relation: Relation) -> &'static str {

@@ -1,6 +1,6 @@
-//! Electrode arrays: E0409 and on, E0505, E0515, E0521 and on.
+//! Diagnostics of electrode arrays: E0409 onwards, E0505, E0515, E0521 onwards.
 //!
-//! Faults of a device come without labels: the caller puts them on the fields, of whichever file they are.
+//! Diagnostics of a device come without labels: the caller attaches them to the fields, in whichever file these are.
 
 mod droplets;
 mod reservoirs;
@@ -20,12 +20,12 @@ use crate::quantity::{Dimension, count, digits};
 use crate::source::{Span, Spanned};
 use std::collections::BTreeSet;
 
-/// A part with a cell and where that stands in the source.
+/// A part with a cell, and the place in the source that names it.
 #[derive(Clone, Copy)]
 pub struct PartPlace<'a> {
     pub name: &'a str,
     pub cell: ElectrodeCell,
-    /// Where the program puts or sends it there.
+    /// Where the program puts or sends the part there.
     pub span: Span,
 }
 
@@ -57,18 +57,18 @@ pub fn gap_out_of_limits(ratio: f64, limit: f64, [least, most]: [Option<f64>; 2]
         .help(format!("make `pitch_ratio` {}: {what}", digits(limit)))
 }
 
-/// The forces on a part at the potential of its device, for a message.
+/// The forces on a part at the potential of its device, as text for a message.
 pub struct Balance {
     pub lateral: String,
     pub friction: String,
     pub net: String,
     /// The net force at the needed potential.
     pub there: Option<String>,
-    /// The source of a requirement beyond a net force above 0, if there is one.
+    /// The source of a requirement beyond a positive net force, if there is one.
     pub known_by: Option<&'static str>,
 }
 
-/// `least` is the potential that works, `most_friction` the friction that works where no potential does.
+/// `least` is a sufficient potential, `most_friction` a sufficient friction if no potential is.
 pub fn potential_too_low(
     potential: &str,
     radius: &str,
@@ -129,7 +129,7 @@ pub fn row_of_map(row: u32, found: usize, columns: u32) -> Diagnostic {
         .help("write a number or `none` for each column, from the left")
 }
 
-/// A board of microparts with a channel under several electrodes.
+/// A channel with several electrodes on a board of microparts.
 pub fn microparts_on_shared_channel(channel: u32) -> Diagnostic {
     Diagnostic::new(Code::E0429, format!("channel {channel} is under several electrodes of a board that carries microparts"))
         .help("write a number of its own at each place: a pair of electrodes moves a micropart; droplets alone are moved on shared channels")
@@ -146,13 +146,13 @@ pub fn no_electrode() -> Diagnostic {
         .help("write the number of the driver's channel at each place that has an electrode")
 }
 
-/// Two fields of one file that give channels.
+/// Two fields of one file that both give channels.
 pub fn two_maps() -> Diagnostic {
     Diagnostic::new(Code::E0429, "`map` and `channels` both have the channels of the electrodes")
         .help("leave one of them out: `map` takes all from its file")
 }
 
-/// A number of columns or rows beside a file that has another one.
+/// A number of columns or rows that differs from that of the board file.
 pub fn side_of_map(name: &str, given: u32, board: &BoardFile) -> Diagnostic {
     let (side, path) = (if name == "columns" { board.columns } else { board.rows }, &board.path);
     let title = format!("`{name}` is {given}, but the electrodes of `{path}` have {side} {name}");
@@ -161,10 +161,10 @@ pub fn side_of_map(name: &str, given: u32, board: &BoardFile) -> Diagnostic {
         .help(format!("leave `{name}` out, `map` takes it from the file, or write {side}"))
 }
 
-/// Most names of electrodes in a label.
+/// Most electrode names in a label.
 const MOST_NAMES: usize = 12;
 
-/// Electrodes of a file that are no places for droplets.
+/// Electrodes of a board file that droplets cannot use.
 pub fn left_out(board: &BoardFile) -> Diagnostic {
     let LeftOut { sharing, cut_off, off_lattice } = &board.left_out;
     let kept = board.channels.iter().flatten().count();
@@ -176,7 +176,7 @@ pub fn left_out(board: &BoardFile) -> Diagnostic {
     )
 }
 
-/// What a label says of electrodes that are left out.
+/// Label text for the electrodes that are left out.
 pub fn names_left_out(LeftOut { sharing, cut_off, off_lattice }: &LeftOut) -> String {
     let named = |names: &[String], why: &str| {
         let mut seen = BTreeSet::new();
@@ -207,7 +207,7 @@ pub fn nothing_to_disable(facts: &ElectrodeArrayFacts, value: &Value) -> Diagnos
     ))
 }
 
-/// A place of a board at which no centre can be.
+/// Reason why no centre can be at a cell of the board.
 fn no_place(facts: &ElectrodeArrayFacts, cell: ElectrodeCell) -> Option<String> {
     let map = facts.map.as_ref().filter(|map| facts.holds(cell) && !map.works(cell))?;
     Some(match map.has_electrode(cell) {
@@ -291,12 +291,12 @@ pub fn no_cell(span: Span, found: &Value) -> Diagnostic {
         .help("write `(5, 3)`: the column and the row of an electrode, whole numbers from 1")
 }
 
-/// Whether these are numbers, two of them, which may be no whole ones.
+/// Whether this is a pair of plain numbers, possibly not whole.
 fn is_cell(found: &Value) -> bool {
     matches!(found, Value::Point(point) if point.iter().all(|number| number.dimension == Dimension::NUMBER))
 }
 
-/// A point of numbers as it was written, anything else by its sort.
+/// A point of numbers as written; anything else by its kind.
 fn written(found: &Value) -> String {
     match found {
         Value::Point(point) if is_cell(found) => {
@@ -332,7 +332,7 @@ pub fn off_board(
     )
 }
 
-/// The cells that a part can take, for a message.
+/// The range of cells that a part can take, for a message.
 fn extent(reach: Option<[ElectrodeCell; 2]>) -> String {
     reach.map_or("nothing".to_owned(), |[first, last]| format!("{first} to {last}"))
 }
@@ -372,7 +372,7 @@ pub fn goal_out_of_reach(
     Diagnostic::new(Code::E0501, title).label(span, "cannot be reached").help_if(nearest(free, "that is free"))
 }
 
-/// A start or a goal, by its code, nearer to an obstacle than it may be.
+/// A start or goal too near to an obstacle, with the code to report.
 pub fn near_obstacle(
     place: Spanned<ElectrodeCell>,
     code: Code,
@@ -407,7 +407,7 @@ pub fn part_of_other_layout(
         .help("leave the layout out, and it is that of the device; one board carries parts of one layout")
 }
 
-/// The part that stands too near, then the one that was there before.
+/// `parts` has the part that starts too near, then the earlier one.
 pub fn starts_too_near(parts: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
     let [PartPlace { name, cell, span }, PartPlace { name: other, cell: at, span: other_span }] = parts;
     let title = match cell.apart(at) {
@@ -426,7 +426,7 @@ fn electrodes(distance: u32) -> String {
     format!("{} apart", count(distance, "electrode"))
 }
 
-/// The goal that is too near, then the one that was given before.
+/// `goals` has the goal that is too near, then the earlier one.
 pub fn goals_too_near(goals: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
     let [PartPlace { name, cell, span }, PartPlace { name: other, cell: at, span: other_span }] = goals;
     let title = match cell.apart(at) {
@@ -441,7 +441,7 @@ pub fn goals_too_near(goals: [PartPlace; 2], apart: u32, free: Option<ElectrodeC
         .help_if(nearest(free, &format!("that is free for `{name}`")))
 }
 
-/// As [`goals_too_near`], of parts that do several things and may go on from there.
+/// As [`goals_too_near`], for the last stops of parts that may go on from there.
 pub fn ends_too_near(ends: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
     let on = format!("let `{}` or `{}` go on from there, with `move` or `discard`", ends[1].name, ends[0].name);
     let nearest = nearest(free, &format!("that is free for `{}`", ends[0].name));
@@ -449,7 +449,7 @@ pub fn ends_too_near(ends: [PartPlace; 2], apart: u32, free: Option<ElectrodeCel
     goals_too_near(ends, apart, free).help(help)
 }
 
-/// A part that is sent too near to one that stays; in an assay that one may go on by an operation of its own.
+/// A part that is sent too near to one that stays; in an assay the latter may go on by an operation of its own.
 pub fn near_standing_part(
     moved: PartPlace,
     stays: PartPlace,
@@ -483,7 +483,7 @@ pub fn two_goals(name: &str, span: Span, earlier: Span) -> Diagnostic {
         .help("write two steps, one below the other, or one `move` with `via`")
 }
 
-/// A part that stands where the scene of a later run has an obstacle, since the goal that brought it there.
+/// A part that stands too near to an obstacle of a later run's scene; `part.span` is what brought it there.
 pub fn obstacle_comes_near(
     run: Span,
     part: PartPlace,

@@ -1,4 +1,4 @@
-//! Diagnostics of reservoirs: their outlets and the frames in which they make droplets.
+//! Diagnostics of reservoirs: their outlets and the frames that dispense droplets.
 
 use super::written;
 use crate::check::value::Value;
@@ -13,13 +13,13 @@ pub fn half_of_reservoirs(missing: &[&str]) -> Diagnostic {
         .help("`outlets: [(1, 2)]`, `dispense_frames: [[[3], [3, 2], [0, 9]]]` and `dispense_frame_duration: 1.2 s` belong together")
 }
 
-/// More or fewer sequences than outlets.
+/// Different numbers of sequences and outlets.
 pub fn frames_of_other_outlets() -> Diagnostic {
     Diagnostic::new(Code::E0429, "`dispense_frames` and `outlets` are not of the same number")
         .help("write one list of frames for each outlet, in the same order")
 }
 
-/// An outlet that no channel is known of.
+/// An outlet without a known channel.
 pub fn outlet_without_number(value: &Value) -> Diagnostic {
     Diagnostic::new(Code::E0429, format!("{} is no outlet: the board has no numbered electrode there", written(value)))
         .help("an outlet is the cell, as `(1, 2)`, of an electrode that has a number in `channels`")
@@ -32,7 +32,7 @@ pub fn makes_no_droplet(outlet: ElectrodeCell, own: u32) -> Diagnostic {
     ))
 }
 
-/// An empty place in a frame.
+/// `none` in a frame.
 pub fn nothing_in_frame() -> Diagnostic {
     Diagnostic::new(Code::E0429, "a frame lists channels that are on, `none` is none")
         .help("leave `none` out; a frame in which all pads are off is `[]`")
@@ -45,7 +45,7 @@ pub fn frame_on_the_board(channel: u32, outlet: ElectrodeCell) -> Diagnostic {
         .help("a frame switches pads of its reservoir, which `channels` does not list, and the outlet")
 }
 
-/// A pad that two reservoirs have.
+/// A pad shared by two reservoirs.
 pub fn pad_of_two(channel: u32, [one, other]: [ElectrodeCell; 2]) -> Diagnostic {
     let title = format!("channel {channel} is a pad of the reservoirs at {one} and at {other}");
     Diagnostic::new(Code::E0429, title).help("each reservoir has pads of its own: one frame would act on both")

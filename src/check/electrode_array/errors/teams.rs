@@ -7,7 +7,7 @@ use crate::quantity::count;
 use crate::source::Span;
 use std::collections::BTreeSet;
 
-/// Names in a message before the rest is counted.
+/// Most names in a message; further ones are counted.
 const MOST_NAMED: usize = 4;
 
 pub fn no_team(span: Span, name: &str, families: &BTreeSet<&str>, scene: Option<Span>) -> Diagnostic {

@@ -1,4 +1,4 @@
-//! Diagnostics of heaters, detectors and magnets, and of who stays there.
+//! Diagnostics of heaters, detectors and magnets, and of the parts that stay there.
 
 use crate::claims::electrode_array::{BoardZone, ZoneSort};
 use crate::device::electrode_array::ElectrodeCell;
@@ -6,7 +6,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity};
 use crate::source::Span;
 
-/// Most zones that a message names.
+/// Most zones that a message lists.
 const SHOWN_ZONES: usize = 6;
 
 /// Two zones of one sort with a common electrode.
@@ -18,7 +18,7 @@ pub fn zones_overlap(zone: &BoardZone, other: &BoardZone, shared: ElectrodeCell)
         .help(format!("give each {noun} electrodes of its own, or make them one"))
 }
 
-/// A detector under which two parts have room.
+/// A detector with room for two parts.
 pub fn detector_too_large(zone: &BoardZone, [columns, rows]: [u32; 2], apart: u32) -> Diagnostic {
     let title = format!(
         "two parts have room under detector `{}`, {columns} × {rows} electrodes: parts keep {apart} apart",
@@ -29,7 +29,7 @@ pub fn detector_too_large(zone: &BoardZone, [columns, rows]: [u32; 2], apart: u3
         .help(format!("make it at most {apart} × {apart} electrodes, or declare two detectors"))
 }
 
-/// A zone where steps of a sort do not stay; `others` are those where they do.
+/// A zone of another sort than the step needs; `others` are the zones of that sort.
 pub fn zone_of_other_sort<'n>(
     span: Span,
     zone: &BoardZone,
@@ -51,7 +51,7 @@ pub fn zone_of_other_sort<'n>(
     .help(help)
 }
 
-/// A cell without a zone of a sort; `near` is the nearest one with one.
+/// A cell without a zone of a sort; `near` is the nearest cell with one.
 pub fn no_zone_here(span: Span, cell: ElectrodeCell, sort: ZoneSort, near: Option<ElectrodeCell>) -> Diagnostic {
     let noun = sort.name();
     let help = match near {
@@ -63,7 +63,7 @@ pub fn no_zone_here(span: Span, cell: ElectrodeCell, sort: ZoneSort, near: Optio
         .help(help)
 }
 
-/// A temperature beyond what the heaters of a device reach, which a field says.
+/// A temperature out of the range of a device's heaters; `field` sets the limit.
 pub fn temperature_out_of_range(span: Span, asked: Quantity, device: &str, field: &str, limit_k: f64) -> Diagnostic {
     let limit = Quantity::new(limit_k, Dimension::TEMPERATURE);
     let word = if asked.si < limit_k { "lowest" } else { "highest" };
@@ -73,7 +73,7 @@ pub fn temperature_out_of_range(span: Span, asked: Quantity, device: &str, field
         .help(format!("write {limit}, or correct `{field}` of the device"))
 }
 
-/// A heater that is to have two temperatures.
+/// A heater with two requested temperatures.
 pub fn two_temperatures(name: &str, asked_k: f64, span: Span, first_k: f64, first: Span) -> Diagnostic {
     let text = |si: f64| Quantity::new(si, Dimension::TEMPERATURE).to_string();
     let (asked, before) = (text(asked_k), text(first_k));
@@ -83,7 +83,8 @@ pub fn two_temperatures(name: &str, asked_k: f64, span: Span, first_k: f64, firs
         .help("a heater keeps one temperature for the whole program: declare another heater for the other one")
 }
 
-/// A temperature to which none of the drivers' heaters is set: each with its instrument, its number and its setting in degrees Celsius.
+/// A temperature that no heater of the drivers is set to; `set` has the instrument, heater number and setting in
+/// degrees Celsius of each.
 pub fn no_heater_so_warm(
     name: &str,
     asked_k: f64,
@@ -105,7 +106,8 @@ pub fn no_heater_so_warm(
         ))
 }
 
-/// A droplet that a magnet of the scene holds while every magnet that the bench switches is down; `output` switches one of these.
+/// A droplet held by a magnet of the scene while every magnet that the bench switches is down; `output` switches one of
+/// these.
 pub fn no_magnet_raised(magnet: &str, span: Span, output: &str) -> Diagnostic {
     let title = format!("`{magnet}` holds a droplet while the magnets of the bench are down");
     Diagnostic::new(Code::W0516, title).label(span, "nothing is held here").help(format!(
@@ -113,7 +115,8 @@ pub fn no_magnet_raised(magnet: &str, span: Span, output: &str) -> Diagnostic {
     ))
 }
 
-/// A droplet that was held and is then split, with its other half, where both end, and whether they then are over the magnet.
+/// A droplet that is split after it was held by a magnet: its name and its half's, their last cells, and whether these
+/// are over the magnet.
 pub fn beads_left_behind(
     [part, half]: [&str; 2],
     [end, other_end]: [ElectrodeCell; 2],

@@ -1,41 +1,44 @@
-//! Time that a part takes from one cell to rest on the next.
+//! Settling time: from leaving one cell until at rest on the next.
 //!
-//! The equation of motion is the paper's (2): m du/dt + b u = F(x), x from the pitch to 0. The paper gives F as a figure; the curve
-//! here is the simplest odd one through its known points: zero at 0, greatest at the peak distance, and the table's force at
-//! the table's distance. Solved by fourth-order Runge-Kutta with a fixed step, so that every machine gets the same result.
+//! The equation of motion is the paper's (2): m du/dt + b u = F(x), with x from the pitch to 0. The paper gives F as a
+//! figure; the curve here is the simplest odd one through its known points: zero at 0, greatest at the peak distance,
+//! and the table's force at the table's distance. It is solved by fourth-order Runge-Kutta with a fixed step, so that
+//! every machine gets the same result.
 
 use crate::real::Real;
 
-/// Steps of the integration before it gives up: some eight hundred oscillations.
+/// Integration steps before giving up: about eight hundred oscillations.
 const MAX_INSTANTS: usize = 1_000_000;
 
-/// Steps of the integration in one radian of the oscillation round the goal; the error of the fourth-order method is then negligible.
+/// Integration steps per radian of the oscillation around the goal; the error of the fourth-order method is then
+/// negligible.
 const INSTANTS_PER_RADIAN: f64 = 200.0;
 
-/// Damping over the frequency of the oscillation beyond which inertia is left out: its time constant is then below 1/400 of the creep's.
+/// Ratio of damping rate to oscillation frequency beyond which inertia is neglected: its time constant is then below
+/// 1/400 of that of the creep.
 const CREEPING: f64 = 20.0;
 
-/// The lateral force over distance: 2 F u / (1 + u²) with u the distance over that of the peak.
+/// Lateral force over distance: 2 F u / (1 + u²) with u the distance over that of the peak, and F the peak force.
 #[derive(Debug, Clone, Copy)]
 pub struct Pull {
-    /// Distance of centres at which it is greatest.
+    /// Distance between centres at which the force is greatest.
     pub peak_at_m: f64,
-    /// There.
+    /// The greatest force.
     pub peak_n: f64,
 }
 
 impl Pull {
-    /// The curve through a force at a distance.
+    /// The curve through a given force at a given distance.
     pub fn through(distance_m: f64, force_n: f64, peak_at_m: f64) -> Pull {
         Pull { peak_at_m, peak_n: force_n / share(distance_m / peak_at_m) }
     }
 
-    /// Force towards the goal, at this distance from it.
+    /// Force towards the goal at a distance from it.
     pub fn at(&self, distance_m: f64) -> f64 {
         self.peak_n * share(distance_m / self.peak_at_m)
     }
 
-    /// The work that it does from there to the goal.
+    /// Work of the force from a distance to the goal.
     fn work(&self, distance_m: f64) -> f64 {
         let u = distance_m / self.peak_at_m;
         self.peak_n * self.peak_at_m * (u * u).natural_logarithm_of_one_plus()
@@ -51,16 +54,16 @@ fn share(u: f64) -> f64 {
 pub struct Glide {
     pub pull: Pull,
     pub mass_kg: f64,
-    /// Drag over speed.
+    /// Drag over speed, in N s/m.
     pub damping: f64,
-    /// From cell to cell.
+    /// Distance from cell to cell.
     pub pitch_m: f64,
-    /// Share of the pitch, and of the greatest speed, within which it is at rest.
+    /// Share of the pitch, and of the greatest speed, within which the part is at rest.
     pub rest_share: f64,
 }
 
 impl Glide {
-    /// The time until place and speed remain at rest; `None` if they do not within the simulated instants.
+    /// Time until place and speed stay at rest; `None` if they do not within the simulated steps.
     pub fn settling_s(&self) -> Option<f64> {
         let stiffness = 2.0 * self.pull.peak_n / self.pull.peak_at_m;
         let frequency = (stiffness / self.mass_kg).sqrt();
@@ -74,7 +77,7 @@ impl Glide {
         settling_s.is_finite().then_some(settling_s)
     }
 
-    /// Without inertia the speed is F(x)/b, and the time an integral of its inverse.
+    /// Settling time without inertia: the speed is F(x)/b, and the time the integral of its inverse.
     fn creeping_s(&self) -> f64 {
         let begin = self.pitch_m / self.pull.peak_at_m;
         let fastest = share(begin.min(1.0)).max(share(begin));
@@ -97,7 +100,7 @@ impl Glide {
             if place_m.abs() > near_m || speed.abs() > slow {
                 settled = instant;
             }
-            // Energy only falls, so that below either bound's own nothing leaves the bounds again.
+            // Energy only falls, so once it is below the energy at either bound, neither bound is left again.
             let energy = self.mass_kg * speed * speed / 2.0 + self.pull.work(place_m);
             if energy < self.pull.work(near_m).min(self.mass_kg * slow * slow / 2.0) {
                 return Some(settled as f64 * instant_s);
@@ -106,7 +109,7 @@ impl Glide {
         None
     }
 
-    /// Place and speed one instant later.
+    /// Place and speed one integration step later.
     fn after(&self, state: [f64; 2], instant_s: f64) -> [f64; 2] {
         let slope =
             |[place_m, speed]: [f64; 2]| [speed, -(self.pull.at(place_m) + self.damping * speed) / self.mass_kg];

@@ -1,18 +1,18 @@
-//! Settling against a second solver: operator splitting, drag and pull in turns, where the checker uses Runge-Kutta.
+//! Settling against a second solver: operator splitting, alternating drag and pull, where the checker uses Runge-Kutta.
 
 use super::*;
 use proptest::prelude::*;
 
-/// Steps in one radian of the oscillation round the goal.
+/// Steps per radian of the oscillation around the goal.
 const STEPS_PER_RADIAN: f64 = 3000.0;
 
-/// The pull on a part by its definition, implemented a second time.
+/// The pull on a part by its definition, implemented independently.
 fn pull_n(glide: &Glide, place_m: f64) -> f64 {
     let peak_m = glide.pull.peak_at_m;
     2.0 * glide.pull.peak_n * place_m * peak_m / (peak_m * peak_m + place_m * place_m)
 }
 
-/// The time after which place and speed remain within a share; sought up to `within_s`.
+/// The time after which place and speed stay within a share; simulated up to `within_s`.
 fn settled_s(glide: &Glide, share: f64, within_s: f64) -> f64 {
     let frequency = (2.0 * glide.pull.peak_n / glide.pull.peak_at_m / glide.mass_kg).sqrt();
     let step_s = 1.0 / (STEPS_PER_RADIAN * frequency.max(glide.damping / glide.mass_kg));
@@ -36,7 +36,8 @@ fn settled_s(glide: &Glide, share: f64, within_s: f64) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Where an oscillation ends just within the bounds the two may differ by it, so slightly wider and narrower bounds are tried as well.
+    /// If an oscillation ends just within the bounds, the two solvers may differ by that oscillation, so slightly wider
+    /// and narrower bounds are tried as well.
     #[test]
     fn parts_settle_when_a_second_solver_says(
         (peak, reach) in (0.2..5.0f64, 0.3..4.0f64),

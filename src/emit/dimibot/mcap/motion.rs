@@ -1,6 +1,7 @@
 //! Motion of an end-effector: poses over time, and the whole path of each plan.
 //!
-//! A module snaps at some instant within its pulse, so the old pose is repeated at the pulse's start and the new one written at its end.
+//! A module snaps at some instant within its pulse, so the old pose is repeated at the start of the pulse and the new
+//! one is written at its end.
 
 use crate::emit::course::plans;
 use crate::emit::dimibot::course::place;
@@ -8,12 +9,12 @@ use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::foxglove::{self, PoseInFrame, PosesInFrame};
 use crate::verify::Verified;
 
-/// The frame that goes with a device's end-effector.
+/// The frame that moves with a device's end-effector.
 pub fn tip_frame(device: &str) -> String {
     format!("{device}/tip")
 }
 
-/// `/<device>/pose`, where the end-effector is at each of these instants, and `/<device>/path`.
+/// `/<device>/pose`, the pose of the end-effector at each of these instants, and `/<device>/path`.
 pub fn topics(verified: &Verified, device: &str, poses: &[(u64, [f64; 3])]) -> [LogTopic; 2] {
     let pose = |&(t_ns, place): &(u64, [f64; 3])| {
         let message = PoseInFrame {
@@ -26,10 +27,12 @@ pub fn topics(verified: &Verified, device: &str, poses: &[(u64, [f64; 3])]) -> [
     [LogTopic::new::<PoseInFrame>(format!("/{device}/pose"), poses.iter().map(pose).collect()), path(verified, device)]
 }
 
-/// Greatest number of places in one message of a path: readers of logs handle this many easily, and Tweeze's own accepts 64 MiB.
+/// Greatest number of places in one message of a path. Readers of logs handle this many easily, and Tweeze's own
+/// accepts 64 MiB.
 const MAX_PLACES: usize = 10_000;
 
-/// The path of each plan. A long one comes in several messages, each at the instant of its first place, which is the last of the one before.
+/// The path of each plan. A long one is split into several messages, each at the instant of its first place, which is
+/// the last place of the one before.
 fn path(verified: &Verified, device: &str) -> LogTopic {
     let mut messages = Vec::new();
     for plan in plans(verified, device) {

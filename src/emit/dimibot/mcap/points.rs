@@ -1,4 +1,4 @@
-//! The scene once more as coloured points: path, stops and the true outlines of obstacles.
+//! The scene repeated as coloured points: path, stops and the true outlines of obstacles.
 
 use super::scene;
 use crate::claims::dimibot::{DimibotObstacleBody, DimibotOrder};
@@ -12,7 +12,7 @@ use crate::schedule::PlanRecord;
 use crate::verify::Verified;
 use nalgebra::Point2;
 
-/// Among more obstacles than this a circle is small and gets fewer corners.
+/// Number of obstacles above which circles are small and get fewer corners.
 const MANY_OBSTACLES: usize = 500;
 
 const COARSE_CORNERS: usize = 8;
@@ -31,7 +31,7 @@ pub fn topics(verified: &Verified, device: &str) -> [LogTopic; 2] {
     ]
 }
 
-/// The tip in its own frame, or a mark where it is narrower.
+/// Outline of the tip in its own frame, or of its mark if the tip is narrower.
 pub fn tip(facts: &DimibotFacts) -> Stroke {
     let radius_um = facts.tip_radius_um.max(scene::TIP_MARK_UM / 2.0);
     Stroke { corners: circle(Point2::origin(), radius_um, CIRCLE_CORNERS), color: color::TIP }
@@ -60,7 +60,7 @@ fn scenery(order: &DimibotOrder) -> Vec<Stroke> {
                 let (low, high) = course::tiles_um(facts, *from, *to);
                 vec![rectangle(low, high)]
             }
-            // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.
+            // The checker refuses shapes that cannot be placed; one that slips through is just not drawn.
             DimibotObstacleBody::Solid { shape, pose } => {
                 shape.grown(pose, 0.0).map_or_else(|_| Vec::new(), |body| outlines(&drawing::on_grid(body), corners))
             }

@@ -1,7 +1,8 @@
-//! The scene in three dimensions: obstacles with their true and their grown shapes, the lattice, the tip, the path, the stops.
+//! The scene in three dimensions: obstacles with their true and grown shapes, the lattice, the tip, the path and the
+//! stops.
 //!
-//! Scenery and plan are two topics for each device, because a viewer that jumps in time reads the last
-//! message of each topic only: every message contains the whole picture. Scenery is written again when a job brings another.
+//! Scenery and plan are two topics per device. Since a viewer that jumps in time reads only the last message of each
+//! topic, every message contains the whole picture. Scenery is written again when a job has another one.
 
 use super::motion;
 use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder};
@@ -18,7 +19,7 @@ use std::collections::BTreeSet;
 /// Gap between the lattice and its title.
 const TITLE_GAP_UM: f64 = 1.25;
 
-/// Heights above the ground, in micrometres: obstacles are upright, mere illustrations flat.
+/// Heights above the ground, in micrometres: obstacles are upright, illustrations flat.
 const OBSTACLE_HEIGHT_UM: f64 = 0.4;
 const GROWN_HEIGHT_UM: f64 = 0.02;
 const PATH_HEIGHT_UM: f64 = 0.05;
@@ -36,7 +37,7 @@ pub const TIP_MARK_UM: f64 = 0.3;
 /// Greatest number of stops and obstacles with labels.
 const MAX_LABELS: usize = 200;
 
-/// Greatest number of obstacles and stops that are drawn.
+/// Greatest number of drawn obstacles and stops.
 const MAX_DRAWN: usize = 20_000;
 
 /// `/<device>/scene` and `/<device>/plan`.
@@ -61,12 +62,12 @@ pub fn topics(verified: &Verified, device: &str) -> [LogTopic; 2] {
     ]
 }
 
-/// The obstacles that are drawn: a viewer does not show more in useful time.
+/// The drawn obstacles; a viewer does not show more in reasonable time.
 pub fn drawn(order: &DimibotOrder) -> &[DimibotObstacle] {
     &order.obstacles[..order.obstacles.len().min(MAX_DRAWN)]
 }
 
-/// The stops that are drawn.
+/// The drawn stops.
 pub fn stops(order: &DimibotOrder) -> Vec<LatticeCell> {
     course::stops(order).into_iter().take(MAX_DRAWN).collect()
 }
@@ -130,7 +131,7 @@ fn path(mut entity: SceneEntity, plan: &PlanRecord) -> SceneEntity {
     entity
 }
 
-/// The tip as wide as it is, in the frame that goes with it, with a mark that is seen when it is narrow.
+/// The tip at its true width, in the frame that moves with it, with a mark that is visible when the tip is narrow.
 fn tip(device: &str, t_ns: u64, facts: &DimibotFacts) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/tip"), &motion::tip_frame(device), t_ns);
     let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::TIP };
@@ -150,7 +151,7 @@ fn mark_stops(mut entity: SceneEntity, order: &DimibotOrder) -> SceneEntity {
     entity
 }
 
-/// Draws an obstacle and returns where its label goes.
+/// Draws an obstacle and returns the place of its label.
 fn draw_obstacle(entity: &mut SceneEntity, order: &DimibotOrder, obstacle: &DimibotObstacle) -> [f64; 3] {
     let facts = &order.facts;
     let true_slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::OBSTACLE };
@@ -164,7 +165,7 @@ fn draw_obstacle(entity: &mut SceneEntity, order: &DimibotOrder, obstacle: &Dimi
         DimibotObstacleBody::Solid { shape, pose } => {
             let mut top_um = pose.y_um;
             for (growth_um, slab) in [(0.0, true_slab), (facts.growth_um(), grown_slab)] {
-                // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.
+                // The checker refuses shapes that cannot be placed; one that slips through is just not drawn.
                 if let Ok(body) = shape.grown(pose, growth_um) {
                     let body = drawing::on_grid(body);
                     drawing::body(entity, &body, slab);

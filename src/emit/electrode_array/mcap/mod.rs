@@ -1,8 +1,8 @@
-//! Content of a log for an electrode array: the board with its obstacles, the moving parts, the electrodes that are on, and
-//! the path of each part.
+//! Content of a log for an electrode array: the board with its obstacles, the moving parts, the electrodes that are on,
+//! and the path of each part.
 //!
-//! One unit of its pictures is one micrometre, as for every device. Electrode (1, 1) is the origin; `/<device>/cells` has the electrodes
-//! of the parts as the language counts them.
+//! One unit of its pictures is one micrometre, as for every device. Electrode (1, 1) is the origin; `/<device>/cells`
+//! has the electrodes of the parts in the coordinates of the language.
 
 mod scene;
 
@@ -40,10 +40,10 @@ impl Pictures for ElectrodeArrayOrder {
     }
 }
 
-/// Greatest number of parts that the entry of a beat names.
+/// Greatest number of parts named in the entry of a beat.
 const MAX_NAMED: usize = 12;
 
-/// Which parts move to which electrode, as the language counts electrodes.
+/// Text of which parts move to which electrode, in the coordinates of the language.
 fn moves(before: &PartsMoment, after: &PartsMoment) -> String {
     let moved = names([before, after]).into_iter().filter(|name| after.parts.get(*name) != before.parts.get(*name));
     let words: Vec<String> = moved
@@ -58,12 +58,12 @@ fn moves(before: &PartsMoment, after: &PartsMoment) -> String {
     }
 }
 
-/// The parts that are there at some moment: what a reservoir dispenses comes later than others.
+/// The parts that are present at any of the moments; dispensed ones come later than others.
 fn names<'m>(moments: impl IntoIterator<Item = &'m PartsMoment>) -> BTreeSet<&'m String> {
     moments.into_iter().flat_map(|moment| moment.parts.keys()).collect()
 }
 
-/// The frame that goes with a part.
+/// The frame that moves with a part.
 fn frame(device: &str, part: &str) -> String {
     format!("{device}/{part}")
 }
@@ -73,7 +73,7 @@ fn place_um(facts: &ElectrodeArrayFacts, cell: ElectrodeCell) -> [f64; 2] {
     place(cell).map(|pitches| pitches * facts.pitch_um())
 }
 
-/// `/<device>/pose/<part>`: where a part is, while it is there.
+/// `/<device>/pose/<part>`: the pose of a part while it is present.
 fn pose(device: &str, mover: &Mover) -> LogTopic {
     let message = |(t_ns, place): &(u64, FramePlace)| {
         let (timestamp, frame_id) = (foxglove::timestamp(*t_ns), device.to_owned());
@@ -84,8 +84,8 @@ fn pose(device: &str, mover: &Mover) -> LogTopic {
     LogTopic::new::<PoseInFrame>(format!("/{device}/pose{part}"), mover.places.iter().filter_map(message).collect())
 }
 
-/// `/<device>/cells`: the column and the row of every part as numbers, counted from 1; no number while a part is not there.
-/// Not for more parts than a message type has fields for.
+/// `/<device>/cells`: column and row of every part as numbers, from 1; NaN while a part is absent. `None` without
+/// parts, or for more parts than a message type has fields for.
 fn cells(device: &str, moments: &[PartsMoment], duration_ns: u64) -> Option<LogTopic> {
     let names: Vec<&String> = names(moments).into_iter().collect();
     if names.is_empty() || 2 * names.len() > MAX_FIELDS {
@@ -99,7 +99,7 @@ fn cells(device: &str, moments: &[PartsMoment], duration_ns: u64) -> Option<LogT
     };
     let mut held: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
     for moment in moments {
-        // Just before a part arrives it is still where it was.
+        // Just before a part arrives it is still at its old cell.
         let before = held.values().next_back().cloned();
         if let (Some(before_ns), Some(values)) = (moment.t_ns.checked_sub(1), before) {
             held.entry(before_ns).or_insert(values);
@@ -121,7 +121,8 @@ fn cells(device: &str, moments: &[PartsMoment], duration_ns: u64) -> Option<LogT
 fn movers(order: &ElectrodeArrayOrder, device: &str, moments: &[PartsMoment]) -> Vec<Mover> {
     let names: Vec<&String> = names(moments).into_iter().collect();
     let numbers: BTreeMap<&String, usize> = names.iter().enumerate().map(|(number, name)| (*name, number)).collect();
-    // By part, of one moment: of long assays few parts of many are there at a time, and asking for each at each moment would take longest.
+    // Cells by part index at one moment. In long assays few of the many parts are present at a time; a lookup of each
+    // part at each moment would dominate the run time.
     let at = |moment: &PartsMoment| {
         let mut cells: Vec<Option<ElectrodeCell>> = vec![None; names.len()];
         for (name, cell) in &moment.parts {

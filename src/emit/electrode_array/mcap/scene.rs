@@ -1,7 +1,9 @@
-//! The board in three dimensions: electrodes, obstacles, parts with their names; their paths and goals; the electrodes that are on.
+//! The board in three dimensions: electrodes, obstacles, labelled parts, paths and goals, and the electrodes that are
+//! on.
 //!
-//! Three topics, since a viewer that jumps in time reads the last message of each only: the scenery (`scene`), the
-//! plan (`plan`), and the electrodes that are on (`active`). The first two are repeated as points for viewers that show no scenes.
+//! There are three topics, since a viewer that jumps in time reads only the last message of each: the scenery
+//! (`scene`), the plan (`plan`), and the electrodes that are on (`active`). The first two are repeated as points for
+//! viewers that show no scenes.
 
 use super::{frame, place_um};
 use crate::claims::electrode_array::{ElectrodeArrayOrder, ZoneSort};
@@ -33,11 +35,11 @@ const STOP: f64 = 0.6;
 /// Distance of neighbouring points of the clouds, in pitches.
 const POINTS: f64 = 0.05;
 
-/// Points of the ring of an electrode that is on. Every switching instant repeats the rings of all of them, which with as many points as the
-/// scenery has would take more of a log than everything else together.
+/// Points in the ring of an electrode that is on. Every switching instant repeats all rings; with as many points as the
+/// scenery has, they would take more of a log than everything else together.
 const ACTIVE_POINTS: usize = 24;
 
-/// Greatest number of electrodes drawn one by one; of a larger board only the outline is.
+/// Greatest number of electrodes drawn one by one; of a larger board only the outline is drawn.
 const MAX_ELECTRODES: usize = 10_000;
 
 /// Greatest number of parts, stops or obstacles with labels.
@@ -52,7 +54,7 @@ pub fn topics(verified: &Verified, device: &str) -> Vec<LogTopic> {
     let (mut scene_points, mut plan_points) = (Vec::new(), Vec::new());
     let mut shown: BTreeSet<String> = BTreeSet::new();
     for (index, (order, plan)) in jobs.iter().enumerate() {
-        // The scenery is written at the beginning, and again when a job brings other obstacles.
+        // The scenery is written at the beginning, and again when a job has other obstacles or zones.
         let is_new =
             index == 0 || jobs[index - 1].0.obstacles != order.obstacles || jobs[index - 1].0.zones != order.zones;
         if is_new {
@@ -85,7 +87,7 @@ fn points(order: &ElectrodeArrayOrder, strokes: &[Stroke], device: &str, t_ns: u
     spaced_cloud(strokes, device, t_ns, POINTS * order.facts.pitch_um())
 }
 
-/// The colour of the part that is asked to go there; one of its own for a goal that any of several may take.
+/// The colour of the part that must go there; a colour of its own for a goal that any of several parts may take.
 fn color_of_stop(part: Option<usize>) -> Color {
     part.map_or(color::STOP, color::in_turn)
 }
@@ -111,7 +113,7 @@ fn scenery(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> Vec<SceneEnt
     entities
 }
 
-/// A part in its own frame.
+/// Outline of a part in its own frame.
 pub fn part_outline(facts: &ElectrodeArrayFacts, index: usize) -> Stroke {
     let half_um = facts.layout.half_width_pitches * facts.pitch_um();
     let corners = match facts.layout.electrodes {
@@ -121,7 +123,7 @@ pub fn part_outline(facts: &ElectrodeArrayFacts, index: usize) -> Stroke {
     Stroke { corners, color: color::in_turn(index) }
 }
 
-/// Corners that are given in pitches, in micrometres.
+/// Converts corners from pitches to micrometres.
 fn scaled(facts: &ElectrodeArrayFacts, corners: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     corners.map(|corner| corner.map(|pitches| pitches * facts.pitch_um()))
 }
@@ -187,7 +189,7 @@ fn color_of_zone(sort: ZoneSort) -> Color {
     }
 }
 
-/// The index of each part that moves, and its cells one after the other without repetitions.
+/// The index of each part that moves, and the sequence of its cells without repetitions.
 fn ways(order: &ElectrodeArrayOrder, plan: &PlanRecord) -> Vec<(usize, Vec<ElectrodeCell>)> {
     let mut ways: BTreeMap<&str, Vec<ElectrodeCell>> = BTreeMap::new();
     for timed in &plan.states {
@@ -266,7 +268,7 @@ fn way_strokes(order: &ElectrodeArrayOrder, ways: &[(usize, Vec<ElectrodeCell>)]
     ways.chain(stops).collect()
 }
 
-/// The electrodes that are on.
+/// Topics of the electrodes that are on.
 struct ActiveTopics {
     scenes: LogTopic,
     points: LogTopic,
@@ -291,7 +293,7 @@ fn active(verified: &Verified, device: &str, facts: Option<&ElectrodeArrayFacts>
             rings.entry(*cell).or_insert_with(stroke).clone()
         };
         let lit: Vec<SpaceStroke> = cells.iter().map(ring).collect();
-        // No side of a ring is as long as its radius: its corners are the points.
+        // Each side of a ring is shorter than its radius, so the spacing adds no points to its corners.
         (*t_ns, foxglove::encode(&space_cloud(&lit, device, *t_ns, facts.radius_um)))
     };
     ActiveTopics {
@@ -300,7 +302,7 @@ fn active(verified: &Verified, device: &str, facts: Option<&ElectrodeArrayFacts>
     }
 }
 
-/// The electrodes that are on, from each instant on at which one is switched.
+/// The electrodes that are on, from each instant at which one is switched.
 fn switched_on<'a>(
     verified: &Verified,
     device: &str,
@@ -313,7 +315,7 @@ fn switched_on<'a>(
     };
     let of_channel: Vec<Vec<ElectrodeCell>> =
         schedule.channels.iter().map(|channel| cells(channel).unwrap_or_default()).collect();
-    // For each instant the electrodes that are switched there, and whether on or off.
+    // By instant, the electrodes that are switched then, and whether on or off.
     let mut switched: BTreeMap<u64, Vec<(ElectrodeCell, Switched)>> = BTreeMap::from([(0, Vec::new())]);
     for actuation in &schedule.actuations {
         let cells = of_channel.get(actuation.channel as usize).map_or(&[][..], Vec::as_slice);

@@ -55,7 +55,7 @@ fn the_electrodes_that_are_on_are_drawn_and_no_others() {
     assert_eq!(drawn, [(0, 2), (5_000_000, 0), (6_000_000, 2), (11_000_000, 0)]);
 }
 
-/// A droplet goes over an electrode that shares its channel with two others, one of which does not work.
+/// A droplet crosses an electrode that shares its channel with two others, one of which is disabled.
 #[test]
 fn of_a_shared_channel_all_electrodes_that_work_are_drawn() {
     let cells = (1..=12).flat_map(|row| (1..=20).map(move |column| ElectrodeCell::new(column, row)));

@@ -1,7 +1,7 @@
-//! Content of a log for a hand: the part with its two sections, its pose, the tips, the grasps with the forces
-//! at their contacts, and the path of each tip. One unit of its pictures is one micrometre.
+//! Content of a log for a hand: the part with its two sections and its pose, the tips, the grasps with the forces at
+//! their contacts, and the path of each tip. One unit of its pictures is one micrometre.
 //!
-//! The part and each tip have a frame of their own that moves in the hand's.
+//! The part and each tip have frames of their own that move in the hand's.
 
 mod scene;
 mod solid;
@@ -16,17 +16,17 @@ use crate::emit::mcap::{LogTopic, Pictures};
 use crate::geometry::outline::Curve;
 use crate::verify::Verified;
 
-/// The frame that goes with the part.
+/// The frame that moves with the part.
 fn part_frame(device: &str, part: &str) -> String {
     format!("{device}/{part}")
 }
 
-/// The frame that goes with a tip; names of parts have no slash.
+/// The frame that moves with a tip; names of parts have no slash.
 fn tip_frame(device: &str, finger: usize) -> String {
     format!("{device}/finger/f{}", finger + 1)
 }
 
-/// The nearest pose whose numbers are the same on every machine.
+/// The pose rounded so that its numbers are the same on every machine.
 fn stand(pose: &PartPose) -> StandingPose {
     StandingPose::oriented(pose.position_um.map(drawing::snapped), pose.orientation)
 }
@@ -39,7 +39,7 @@ impl Pictures for FingersOrder {
         (topics, movers(&course, device))
     }
 
-    /// It works in three dimensions.
+    /// A hand works in three dimensions.
     fn tilt_deg(&self) -> f64 {
         60.0
     }
@@ -85,13 +85,13 @@ fn movers(course: &HandCourse, device: &str) -> Vec<Mover> {
         frame: part_frame(device, part),
         device: device.to_owned(),
         places: placed(course, |moment| stand(&moment.part)),
-        // In the points of the scene.
+        // Included in the points of the scene.
         outline: Vec::new(),
     });
     part.into_iter().chain(tips).collect()
 }
 
-/// Where something is at each moment at which it has moved, or from which on it moves.
+/// Poses at each moment at which something has moved, or from which it moves.
 fn placed(course: &HandCourse, of: impl Fn(&HandMoment) -> StandingPose) -> Vec<(u64, FramePlace)> {
     let moments = course.plans.iter().flat_map(|plan| &plan.moments);
     let places: Vec<(u64, StandingPose)> = moments.map(|moment| (moment.t_ns, of(moment))).collect();

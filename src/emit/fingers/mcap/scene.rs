@@ -1,7 +1,8 @@
-//! The hand in three dimensions: the part and the tips; the paths of the tips and the part's final poses; each grasp with its forces.
+//! The hand in three dimensions: the part and the tips, the paths of the tips, the final poses of the part, and each
+//! grasp with its forces.
 //!
-//! Three topics, since a viewer that jumps in time reads the last message of each only: the scenery (`scene`), the plan
-//! (`plan`), and the grasp of each state (`state`). The first two are repeated as points.
+//! There are three topics, since a viewer that jumps in time reads only the last message of each: the scenery
+//! (`scene`), the plan (`plan`), and the grasp of each state (`state`). The first two are repeated as points.
 
 use super::solid;
 use super::{part_frame, stand, tip_frame};
@@ -23,19 +24,20 @@ const TIP_ALPHA: f64 = 0.5;
 const MARK_PART: f64 = 0.12;
 const ARROW_PART: f64 = 0.06;
 
-/// The force that is drawn as long as a tip is wide, as a part of the greatest force of a tip.
+/// The force whose arrow is as long as a tip is wide, as a share of the greatest force of a tip.
 const FORCE_PART: f64 = 0.1;
 
 /// Distance of neighbouring points of the clouds, in micrometres.
 const POINTS_UM: f64 = 0.1;
 
-/// Greatest number of states whose contacts are shown, since the forces of each take a linear program; beyond it only the text is written.
+/// Greatest number of states whose contacts are shown, since the forces of each take a linear program; beyond it only
+/// the text is written.
 const MAX_GRASPS: usize = 5_000;
 
 const FORCE: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
 const GOAL: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
 
-/// Not that of the part.
+/// Not the colour of the part.
 fn color_of(finger: usize) -> Color {
     color::in_turn(finger + 1)
 }
@@ -76,7 +78,7 @@ fn scenery(order: &FingersOrder, fingers: usize, device: &str) -> Vec<SceneEntit
     std::iter::once(body).chain(tips).collect()
 }
 
-/// Marks where both sections meet: the paper's I and J.
+/// Marks where both sections meet: I and J in the paper.
 fn ends(entity: &mut SceneEntity, order: &FingersOrder) {
     let Ok(curve) = Curve::of(&order.part.xy.outline) else { return };
     let mark_um = drawing::snapped(2.0 * order.facts.tip_radius_um * MARK_PART);
@@ -105,7 +107,7 @@ fn trails(plan: &HandPlanCourse, device: &str) -> SceneEntity {
     entity
 }
 
-/// The outlines of the part where the plan ends.
+/// The outlines of the part at the end of the plan.
 fn goal(plan: &HandPlanCourse, device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/goal"), device, plan.start_ns);
     let Some(last) = plan.grasps.last() else { return entity };
@@ -121,7 +123,8 @@ fn update(entities: Vec<SceneEntity>) -> Vec<u8> {
     foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities })
 }
 
-/// The contacts taken away, where the fingers that hold in a grasp begin to leave all of them.
+/// Removes the contacts at the instant at which all holding fingers begin to leave; `None` if the next grasp still
+/// holds.
 fn letting_go(plan: &HandPlanCourse, index: usize, place: [f64; 3], device: &str) -> Option<(u64, Vec<u8>)> {
     let next = plan.grasps.get(index + 1).filter(|next| next.contacts.iter().all(|contact| *contact == 0))?;
     let [start_ns, _] = plan.motions.get(index).copied().flatten()?;
@@ -152,7 +155,7 @@ fn state(course: &HandCourse, device: &str) -> LogTopic {
 
 /// Contacts of fingers with the part, and their forces, in the part's frame so that both move with it.
 ///
-/// Many forces balance a grasp; these are one solution, of moderate magnitude.
+/// Many sets of forces balance a grasp; these are one solution, of moderate magnitude.
 fn contacts(order: &FingersOrder, grasp: &RecordedGrasp, curve: Option<&Curve>, device: &str) -> SceneEntity {
     let frame = part_frame(device, &order.part.name);
     let mut entity = drawing::entity(format!("{device}/contacts"), &frame, grasp.t_ns);
@@ -173,7 +176,7 @@ fn contacts(order: &FingersOrder, grasp: &RecordedGrasp, curve: Option<&Curve>, 
     entity
 }
 
-/// A direction of the hand's frame in the part's.
+/// Rotates a direction from the hand's frame to the part's.
 fn turned_back(grasp: &RecordedGrasp, direction: [f64; 3]) -> [f64; 3] {
     let [w, x, y, z] = grasp.part.orientation;
     let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
@@ -188,7 +191,7 @@ fn words(grasp: &RecordedGrasp, place: [f64; 3], device: &str) -> SceneEntity {
     entity
 }
 
-/// A tip in its own frame: its circles in the three planes.
+/// Outline of a tip in its own frame: its circles in the three planes.
 pub fn tip_outline(order: &FingersOrder, finger: usize) -> Vec<SpaceStroke> {
     let flat = circle(Point2::origin(), order.facts.tip_radius_um, CIRCLE_CORNERS);
     let turn = |axes: [usize; 2]| {

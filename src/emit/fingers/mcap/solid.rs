@@ -1,4 +1,4 @@
-//! The part of a hand as it is drawn, in its own frame: its sections, and its known surface between them.
+//! The part of a hand in its own frame, as drawn: its sections, and the surface between them if that is known.
 
 use crate::claims::fingers::{HandPart, Section};
 use crate::device::fingers::Plane;
@@ -21,7 +21,7 @@ pub fn color_of(plane: Plane) -> Color {
     }
 }
 
-/// A point of a section in the part's frame, on the grid of pictures.
+/// A point of a section in the part's frame, snapped to the grid of pictures.
 pub fn in_space(plane: Plane, [first, second]: [f64; 2]) -> [f64; 3] {
     let axes = plane.axes();
     [0, 1, 2].map(|axis| drawing::snapped(axes[0][axis] * first + axes[1][axis] * second) + 0.0)
@@ -36,7 +36,7 @@ pub fn outlines(part: &HandPart) -> Vec<(Plane, Vec<[f64; 3]>)> {
     sections.map(outline).collect()
 }
 
-/// Adds a part: a solid where its sections are those of an ellipsoid, else the faces that they cut; and their outlines.
+/// Draws a part: a solid if its sections are those of an ellipsoid, else the faces that they cut; and their outlines.
 pub fn draw(entity: &mut SceneEntity, part: &HandPart) {
     match semi_axes_um(part) {
         Some([x, y, z]) => entity.spheres.push(SpherePrimitive {
@@ -51,14 +51,14 @@ pub fn draw(entity: &mut SceneEntity, part: &HandPart) {
     }
 }
 
-/// Semi-axes of an ellipsoid.
+/// Semi-axes of the part if its sections are those of an ellipsoid.
 fn semi_axes_um(part: &HandPart) -> Option<[f64; 3]> {
     let Outline::Ellipse { semi_um: [x, y] } = part.xy.outline else { return None };
     let Outline::Ellipse { semi_um: [other_x, z] } = part.xz.as_ref()?.outline else { return None };
     (x == other_x).then_some([x, y, z])
 }
 
-/// Adds the inside of a section.
+/// Fills a section.
 fn face(entity: &mut SceneEntity, part: &HandPart, plane: Plane) {
     let Some(section) = part.section(plane) else { return };
     let corners: Vec<Point2<f64>> = corners(section).into_iter().map(|corner| drawing::snap(corner.into())).collect();

@@ -102,7 +102,7 @@ fn grasps_are_shown_from_state_to_state() {
     // Contact 38 of the second state is J.
     let place = scene(state, 1).entities[0].spheres[1].pose.unwrap().position.unwrap();
     assert!((place.x + 14.0).abs() < 1e-5 && place.y.abs() < 1e-5, "{place:?}");
-    // Forces of those that hold, which balance: the ball weighs nothing.
+    // Forces of the holding fingers, which balance: the ball weighs nothing.
     let forces = |at: usize| scene(state, at).entities[0].arrows.clone();
     assert_eq!((0..states.len()).map(|at| forces(at).len()).collect::<Vec<_>>(), [0, 2, 2, 3, 2, 2, 2]);
     for at in 1..states.len() {

@@ -1,4 +1,4 @@
-//! Content of a log for microrobots: the bed with its obstacles, each robot with its frame, its path, its orbit, and the
+//! Content of a log for microrobots: the bed with its obstacles, each robot with its frame, path and orbit, and the
 //! arms as numbers for plots. One unit of its pictures is one micrometre.
 
 mod scene;
@@ -18,18 +18,18 @@ use std::collections::BTreeMap;
 /// Name of the field for the control state of the bed.
 const CONTROL: &str = "control";
 
-/// Greatest distance of the orbit of a robot from the robot's place.
+/// Greatest distance of a robot's orbit from the robot's position.
 fn orbit_um(order: &MicrorobotsOrder, robot: usize) -> f64 {
     let facts = order.robot(robot);
     facts.turning_radius_um + facts.orbit_reach_um()
 }
 
-/// The frame that goes with a robot.
+/// The frame that moves with a robot.
 fn frame(device: &str, robot: &str) -> String {
     format!("{device}/{robot}")
 }
 
-/// The nearest pose whose numbers are the same on every machine.
+/// The pose rounded so that its numbers are the same on every machine.
 fn stand(pose: &Pose) -> StandingPose {
     let place = drawing::snap(nalgebra::Point2::new(pose.x_um, pose.y_um));
     StandingPose::turned([place.x, place.y, 0.0], pose.heading_rad)
@@ -68,7 +68,7 @@ fn poses(course: &BedCourse, device: &str) -> LogTopic {
     topic
 }
 
-/// `/<device>/path/<robot>`: where a robot goes in each plan.
+/// `/<device>/path/<robot>`: the path of a robot in each plan.
 fn path(course: &BedCourse, device: &str, robot: usize) -> LogTopic {
     let messages = course.plans.iter().map(|plan| {
         let poses = plan.moments.iter().filter_map(|moment| stand(&moment.poses[robot]).pose()).collect();
@@ -78,8 +78,8 @@ fn path(course: &BedCourse, device: &str, robot: usize) -> LogTopic {
     LogTopic::new::<PosesInFrame>(format!("/{device}/path/{}", course.robots[robot]), messages.collect())
 }
 
-/// `/<device>/arms`: the control state and every arm, 1 for down, as numbers; the old ones once more before each change, so that
-/// a plot does not show a slope, and all at the beats of voltages.
+/// `/<device>/arms`: the control state and every arm (1 for down) as numbers. The old values are repeated before each
+/// change, so that a plot shows no slope, and all at the beats of voltages.
 fn arms(course: &BedCourse, device: &str, duration_ns: u64) -> Option<LogTopic> {
     let facts = &course.plans.first()?.order.facts;
     let rows = facts.robots.iter().map(|robot| robot.name.as_str());

@@ -1,7 +1,7 @@
-//! The bed in three dimensions: obstacles and robots; their paths and goals; arms, orbits and docked robots.
+//! The bed in three dimensions: obstacles and robots, their paths and goals, and arms, orbits and docked robots.
 //!
-//! Three topics, since a viewer that jumps in time reads the last message of each only: the scenery (`scene`), the
-//! plan (`plan`), and the state of each leg (`state`). The first two are repeated as points.
+//! There are three topics, since a viewer that jumps in time reads only the last message of each: the scenery
+//! (`scene`), the plan (`plan`), and the state of each leg (`state`). The first two are repeated as points.
 
 use super::{frame, stand};
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -34,10 +34,10 @@ const MAX_LABELS: usize = 200;
 /// Distance of neighbouring points of the clouds, in micrometres.
 const POINTS_UM: f64 = 2.0;
 
-/// An arm that is down.
+/// Colour of an arm that is down.
 const DOWN: Color = Color { r: 0.84, g: 0.37, b: 0.0, a: 1.0 };
 
-/// A robot that sticks in a structure.
+/// Colour of a docked robot.
 const DOCKED: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
 
 /// Opacity of an orbit.
@@ -48,7 +48,7 @@ pub fn topics(course: &BedCourse, device: &str) -> Vec<LogTopic> {
     let (mut scenes, mut scene_points) = (Vec::new(), Vec::new());
     let mut shown: BTreeSet<String> = BTreeSet::new();
     for (index, plan) in course.plans.iter().enumerate() {
-        // The scenery is written at the beginning, and again when a job brings other obstacles.
+        // The scenery is written at the beginning, and again when a job has other obstacles.
         let is_new = index == 0 || course.plans[index - 1].order.obstacles != plan.order.obstacles;
         if is_new {
             let t_ns = if index == 0 { 0 } else { plan.start_ns };
@@ -81,7 +81,7 @@ fn scenery(order: &MicrorobotsOrder, device: &str, t_ns: u64) -> Vec<SceneEntity
     let mut obstacles = drawing::entity(format!("{device}/obstacles"), device, t_ns);
     let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::OBSTACLE };
     for (index, obstacle) in order.obstacles.iter().enumerate() {
-        // The checker refuses shapes that cannot be placed; one that slips through is only not drawn.
+        // The checker refuses shapes that cannot be placed; one that slips through is just not drawn.
         let Ok(body) = obstacle.shape.grown(&obstacle.pose, 0.0) else { continue };
         drawing::body(&mut obstacles, &drawing::on_grid(body), slab);
         if index < MAX_LABELS {
@@ -164,7 +164,7 @@ fn goal_marks(plan: &BedPlanCourse, device: &str) -> SceneEntity {
     entity
 }
 
-/// `/<device>/state`: at each leg the arms that are down, the robots that are docked, and the orbits.
+/// `/<device>/state`: for each leg the arms that are down, the docked robots, and the orbits.
 fn state(course: &BedCourse, device: &str) -> LogTopic {
     let legs: usize = course.plans.iter().map(|plan| plan.legs.len()).sum();
     let are_marked = legs * course.robots.len() <= MAX_MARKS;
@@ -207,7 +207,7 @@ fn marks(order: &MicrorobotsOrder, leg: &ControlLeg, robot: usize, device: &str)
     match body.arm {
         Arm::Up => {}
         Arm::Down => {
-            // On the side to which the robot turns.
+            // The arm is on the side to which the robot turns.
             let side = facts.turning.sign();
             let (near_um, far_um) = (side * half_width_um, side * 2.0 * half_width_um);
             let slab = Slab { bottom_um: 0.0, height_um: BODY_PART * facts.width_um, color: DOWN };

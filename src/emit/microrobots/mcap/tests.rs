@@ -67,14 +67,14 @@ fn an_orbit_is_a_whole_turn_without_interruption() {
     let bed = fixture::bed().verified;
     let course = BedCourse::new(&bed, "m");
     let orbits = course.plans[0].orbits();
-    // 600 strokes of 2 um on a circle of 942 um; the later turns of 300 um are none.
+    // 600 strokes of 2 um on a circle of 942 um are a full turn; the later turns of 300 um are not.
     let found: Vec<_> = orbits.iter().map(|orbit| (orbit.robot, orbit.start_ns, orbit.end_ns)).collect();
     assert_eq!(found, [(0, 0, 32_000_000), (1, 0, 32_000_000)]);
     assert!((orbits[0].centre_um[1] + 150.0).abs() < 1e-9);
     assert_eq!(orbits[0].reach_um, 180f64.hypot(60.0));
 }
 
-/// A robot that has docked orbits no longer, though its arm is down.
+/// A docked robot has no orbit, although its arm is down.
 #[test]
 fn a_docked_robot_has_no_orbit() {
     let bed = fixture::bed().verified;

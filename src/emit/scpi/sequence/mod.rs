@@ -1,8 +1,8 @@
-//! Waveforms as sequences: segments that are played one after the other, each a number of times.
+//! Waveforms as sequences: segments played one after the other, each repeated a number of times.
 //!
-//! Input: the pieces that an output plays. Output: a [`Sequence`] whose playback is the same, sample by sample, between two
-//! stretches at rest, or of its first and its last position: the instrument waits for the trigger in the first one and rests in
-//! the last one. Pieces with fewer samples than the minimum of a segment are merged with their neighbours.
+//! Input: the pieces that an output plays. Output: a [`Sequence`] whose playback is the same, sample by sample, between
+//! two stretches at rest, or at its first and its last position: the instrument waits for the trigger in the first one
+//! and rests in the last one. Pieces with fewer samples than the minimum of a segment are merged with their neighbours.
 
 use super::{GeneratorOutput, MOST_REPEATS, Sampling};
 use crate::device::instrument::WaveformGeneratorFacts;
@@ -13,7 +13,7 @@ use crate::schedule::Schedule;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// How a step goes over to the next one; the words are those of the instruments.
+/// Transition from a step to the next one; the words are those of the instruments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Control {
     Once,
@@ -37,7 +37,7 @@ impl Control {
 /// One entry of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SequenceEntry {
-    /// Index of the sequence's segments.
+    /// Index into the sequence's segments.
     pub segment: usize,
     pub repeats: u64,
     pub control: Control,
@@ -46,7 +46,7 @@ pub struct SequenceEntry {
 /// Segments and steps of one output.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Sequence {
-    /// Each once.
+    /// Distinct segments.
     pub segments: Vec<Vec<i16>>,
     pub steps: Vec<SequenceEntry>,
 }
@@ -66,25 +66,26 @@ impl Limits {
     }
 }
 
-/// Some samples, with a number of repetitions.
+/// Samples with a number of repetitions.
 struct SamplePiece {
     samples: Vec<i16>,
     count: u64,
 }
 
-/// The signal of an output: the level that it waits at, the pieces, the level that it rests at.
+/// The signal of an output: the level at which it waits, the pieces, and the level at which it rests.
 struct Score {
     ends: [i16; 2],
     pieces: Vec<SamplePiece>,
 }
 
-/// Positions may be sampled this many times beyond the memory of an instrument, to be packed into it.
+/// Positions may be sampled this many times beyond the memory of an instrument before they are packed into it.
 const MAX_PACKED: u64 = 16;
 
-/// Pieces of at most this many samples are written out instead of repeated; four times as many if there are too few steps.
+/// Pieces of at most this many samples are written out instead of repeated; four times as many if there are too few
+/// steps.
 const WRITTEN_OUT: u64 = 16;
 
-/// The sequence of a channel; `None` where memory or steps of the instrument do not suffice.
+/// The sequence of a channel; `None` if memory or steps of the instrument do not suffice.
 pub fn sequence(
     signals: &Signals,
     channel: usize,
@@ -96,19 +97,19 @@ pub fn sequence(
     let parts = parts(signals.schedule);
     let of_part = |part: &Cow<Schedule>| score(&Signals::new(part), channel, output, limits, sampling);
     let mut scores = parts.iter().map(of_part).collect::<Option<Vec<Score>>>()?;
-    // Behind a wait at the end comes rest.
+    // After a wait at the end comes rest.
     if parts.len() == signals.schedule.holds.len() {
         let end = scores.last()?.ends[1];
         let rest = signals.rest_v(channel).map_or(end, |rest_v| output.code(rest_v));
         scores.push(Score { ends: [end, rest], pieces: Vec::new() });
     }
-    // A part waits where the one before it holds.
+    // Each part waits at the level that the one before it holds.
     for at in 1..scores.len() {
         scores[at].ends[0] = scores[at - 1].ends[1];
     }
     let mut written_out = WRITTEN_OUT;
     while written_out < limits.most_points {
-        // More samples written out fill the memory, so there is no use in going on once it is full.
+        // More samples written out fill the memory, so the loop ends once it is full.
         let sequence = SequenceBuilder::compose(&scores, limits, written_out)?;
         if sequence.steps.len() as u64 <= u64::from(facts.most_steps) {
             return Some(sequence);
@@ -118,7 +119,7 @@ pub fn sequence(
     None
 }
 
-/// What is played without a wait.
+/// The signal of a part without waits.
 fn score(
     signals: &Signals,
     channel: usize,
@@ -149,7 +150,7 @@ fn pieces(
     for actuation in signals.away_from_rest(channel) {
         rest(at_ns, actuation.start_ns, &mut pieces);
         pieces.push(match actuation.swing {
-            // A value that a wait holds lasts beyond the end of its part.
+            // A value that a wait holds extends beyond the end of its part.
             None => {
                 let end_ns = actuation.end_ns().min(signals.schedule.duration_ns);
                 let count = end_ns.saturating_sub(actuation.start_ns) / period_ns;
@@ -170,7 +171,7 @@ fn pieces(
     Some(pieces)
 }
 
-/// Where a stage is: a piece for each stretch of equal samples.
+/// The signal of a stage: a piece for each run of equal samples.
 fn positions(
     signals: &Signals,
     channel: usize,
@@ -190,19 +191,19 @@ fn positions(
     Some(Score { ends: [*codes.first()?, *codes.last()?], pieces })
 }
 
-/// Merges pieces.
+/// Merges pieces into segments and steps.
 struct SequenceBuilder {
     limits: Limits,
     sequence: Sequence,
     index: BTreeMap<Vec<i16>, usize>,
     /// Samples of all segments.
     points: u64,
-    /// Samples that are to be played once, before whatever comes next.
+    /// Samples to be played once, before whatever comes next.
     pending: Vec<i16>,
 }
 
 impl SequenceBuilder {
-    /// `None` if the segments are too large for the instrument's memory.
+    /// The sequence; `None` if the segments are too large for the instrument's memory.
     fn compose(scores: &[Score], limits: Limits, written_out: u64) -> Option<Sequence> {
         let (sequence, index) = (Sequence::default(), BTreeMap::new());
         let mut builder = SequenceBuilder { limits, sequence, index, points: 0, pending: Vec::new() };

@@ -1,7 +1,7 @@
 use super::*;
 use proptest::prelude::*;
 
-/// An instrument with little of everything.
+/// Limits of a small instrument.
 fn small(most_points: u64, most_repeats: u64) -> Limits {
     Limits { least_points: 8, most_points, most_repeats }
 }
@@ -12,7 +12,7 @@ fn composed(pieces: &[(Vec<i16>, u64)], limits: Limits, written_out: u64) -> Opt
     SequenceBuilder::compose(&[Score { ends: [0; 2], pieces }], limits, written_out)
 }
 
-/// The samples between the wait and the rest.
+/// The samples between the first and the last step.
 fn played(sequence: &Sequence) -> Vec<i16> {
     let inner = &sequence.steps[1..sequence.steps.len() - 1];
     inner.iter().flat_map(|step| sequence.segments[step.segment].repeat(step.repeats as usize)).collect()
@@ -69,7 +69,7 @@ mod waits {
     use crate::emit::wired::wired;
     use crate::schedule::{Actuation, Channel, ChannelUnit, ScheduledHold};
 
-    /// Levels and waits, each with its length in units of 50 ms: a level that is not there is rest.
+    /// Levels and waits, each with its length in units of 50 ms; `None` is rest.
     #[derive(Debug, Clone)]
     enum Stretch {
         Level(Option<f64>, u64),
@@ -86,7 +86,7 @@ mod waits {
         ]
     }
 
-    /// The stretches one after the other: a wait holds the level before it.
+    /// A schedule of stretches in order; a wait holds the level before it.
     fn scheduled(stretches: &[Stretch]) -> FixtureSchedule {
         fixture::idle().changed(|schedule| {
             let channel = Channel {
@@ -130,7 +130,7 @@ mod waits {
     }
 
     proptest! {
-        /// What a generator gives from each trigger on is what the schedule has from there on, and no segment that waits is long.
+        /// From each trigger on, a generator plays what the schedule has from there on, and no waiting segment is long.
         #[test]
         fn between_waits_a_generator_plays_the_schedule(stretches in prop::collection::vec(stretch(), 1..12)) {
             let verified = on_generators(scheduled(&stretches)).verified;
@@ -159,7 +159,7 @@ mod waits {
                 let mut t_ns = start_ns;
                 while let Some(step) = steps.next_if(|step| matches!(step.control, Control::Once | Control::Repeat)) {
                     for code in sequence.segments[step.segment].repeat(step.repeats as usize) {
-                        // The wait holds what is there when it begins; what is padded lasts no longer than a segment that waits.
+                        // The wait holds the value at its beginning; padding lasts no longer than a waiting segment.
                         let due_v = signals.value(0, t_ns.min(end_ns.max(start_ns + 1) - 1));
                         let is_due = t_ns >= end_ns || code == made.outputs[0].code(due_v);
                         prop_assert!(is_due, "{} ns after {} ns", t_ns - start_ns, start_ns);
