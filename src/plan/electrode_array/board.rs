@@ -16,7 +16,7 @@ use fixedbitset::FixedBitSet;
 /// A cell: `row * width + column`, both from 0.
 pub type CellIndex = u32;
 
-/// The cells allowed for the centre of a part.
+/// A board: the cells that the centre of a part may take.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BoardGrid {
     width: u32,

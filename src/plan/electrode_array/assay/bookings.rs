@@ -104,7 +104,7 @@ pub(super) struct Bookings<'a> {
     bookings: Vec<CellBookings>,
     /// By agent: the cells that it books, in order of booking, possibly repeated.
     touched: Vec<Vec<CellIndex>>,
-    /// By agent.
+    /// By agent: the part of its bookings that longer courses do not change.
     firm: Vec<FirmPart>,
     traces: Option<&'a Traces>,
     /// By cell, where traces matter: its visits in order of `from`; and by agent, the cells that it visits.

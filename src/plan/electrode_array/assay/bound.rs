@@ -219,9 +219,10 @@ struct TurnPlace {
 /// Number of agents that can be in a mixing loop at the same time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoopRoom {
-    /// One: all of its cells are closer to each other than the separation, as if it were one cell.
+    /// One agent: all cells of the loop are closer to each other than the separation, as if it were one cell.
     Cell,
-    /// One: whenever a second agent begins, the two come too near to each other before the first is back at the corner.
+    /// One agent: whenever a second one begins, the two come too near to each other before the first is back at the
+    /// corner.
     One,
     Two,
 }

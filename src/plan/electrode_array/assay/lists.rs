@@ -40,8 +40,7 @@ const STEPS_PER_INSTANT: u64 = 8;
 /// Random seed of the changes.
 const SEED: u64 = 1;
 
-/// Separations for whose time, in instants, an unplanned agent's start is reserved for it; the lists alternate between
-/// them.
+/// Reservation time of an unplanned agent's start, in instants per unit of separation; lists alternate between these.
 const KEPT_SEPARATIONS: [u32; 3] = [6, 1, NEVER];
 
 /// Budget of the search for one course, in steps.
@@ -324,7 +323,7 @@ pub(super) enum TurnOrder {
 /// Terms on which a list is scheduled.
 #[derive(Debug, Clone, Copy)]
 struct ListTerms {
-    /// Separations for whose time, in instants, an unplanned agent's start is reserved for it.
+    /// Reservation time of an unplanned agent's start, in instants per unit of separation.
     kept_separations: u32,
     turns: TurnOrder,
     /// Whether an agent yields its turn after each errand that others wait for, and after each split.

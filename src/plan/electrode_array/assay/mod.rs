@@ -8,13 +8,13 @@
 //! Method: list scheduling. Agents take their turns in the order of a list. In its turn an agent's course is planned up
 //! to the next agent that it meets and that has no course yet (`route`), around the courses of the others (`bookings`);
 //! an agent that finds no course moves to the front of the next list. Besides the order of the list there is the order
-//! of time, in which nobody reaches an agent before it is needed there (`turns`). Then local search: lists with agents
-//! moved are kept if they are no worse (`lists`). Where no list yields a plan, agents that would block others step
-//! aside (`aside`); where that does not help, or where agents leave traces, droplets are replanned one by one and
-//! negotiate about cells (`negotiated`). Then random lists are tried. Where no plan is found, or the plan may have too
-//! many steps, a few agents are planned jointly (`joint`).
+//! of time, in which no agent enters the board or goes to a meeting long before it is needed there (`turns`). Then
+//! local search: lists with agents moved are kept if they are no worse (`lists`). Where no list yields a plan, agents
+//! that would block others step aside (`aside`); where that does not help, or where agents leave traces, droplets are
+//! replanned one by one and negotiate about cells (`negotiated`). Then random lists are tried. Where no plan is found,
+//! or the plan may have too many steps, a few agents are planned jointly (`joint`).
 //!
-//! Guaranteed: a plan is legal; `bound` holds for every plan; the same input and budget give the same plan. For few
+//! Guaranteed: a plan is legal; `bounds` hold for every plan; the same input and budget give the same plan. For few
 //! agents, while the budget lasts, a plan is found where there is one, with the fewest steps or the least sum of costs.
 //! Otherwise neither is guaranteed. Cost: one step of the budget is one expanded node of the search for one course, or
 //! one joint position of several agents; with many agents, their courses are charged too.

@@ -19,7 +19,7 @@ use std::collections::BinaryHeap;
 /// No node, and no loop.
 const NONE: u32 = u32::MAX;
 
-/// After a split, the parent keeps away from the child's start for this many separations, in steps.
+/// Steps, per unit of separation, for which the parent keeps away from the child's start after a split.
 const KEPT_SEPARATIONS: u32 = 3;
 
 /// The distances to the stops of all agents.
@@ -205,8 +205,8 @@ impl<'a> Router<'a> {
             return self.span_at(search, bookings, start, 0, since).map(|span| (span, since)).into_iter().collect();
         }
         let (first, end) = self.list(search, bookings, start, 0);
-        // An agent may enter in the step in which another one leaves: it is on no cell before. But then it shares that
-        // instant with the other one's trace.
+        // An agent may enter in the step in which another one leaves: it is on no cell before. But then both are on the
+        // cell at that instant, and one may contaminate the other.
         let earliest = |span: u32| {
             let from = self.spans[span as usize].from;
             let at_once = from.saturating_sub(1).max(since);

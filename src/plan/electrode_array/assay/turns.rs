@@ -13,7 +13,7 @@ use super::route::{Course, RouteQuery};
 /// tried if it is late with the first.
 const EARLY: [u32; 2] = [100, 800];
 
-/// Steps after its time within which an agent is not late; the agent that it meets gives way to it.
+/// Steps after its time within which an agent is not late, since it gives way to the agent that it meets.
 const PUNCTUAL: u32 = 12;
 
 /// A shorter wait, in steps, is left to the search.

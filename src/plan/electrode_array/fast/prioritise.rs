@@ -22,7 +22,7 @@ const SEARCH_STEPS: u64 = 4_000;
 /// Added to that budget for each move that the agent must make; beyond it, another order is the cheaper try.
 const SEARCH_STEPS_PER_MOVE: u64 = 100;
 
-/// Time for which a start without a path is a hazard, in separations.
+/// Time for which a start without a path is a hazard, in instants per unit of separation.
 const HAZARD_SEPARATIONS: u32 = 6;
 
 /// Value of one hazard, in instants of detour.
