@@ -1,7 +1,7 @@
 //! Agents that step aside while they wait.
 //!
-//! An agent that is waiting, yielding or finished stays where its last errand ended. If it blocks the agents that it
-//! waits for from their stops there, no order of the list yields a plan.
+//! An agent that is waiting, yielding or finished stays where its last errand ended. If it blocks another agent's stop
+//! there, no order of the list yields a plan.
 //!
 //! Method: each agent that would stay near a cell that others need gets an extra errand of zero steps at the nearest
 //! cell that nobody else needs; at the end, it gets another one to come back. The same holds for an agent that would be
