@@ -1,10 +1,11 @@
 //! The problem of many parts on one board, on flat cell indices: cells, the separation rule, instances and plans.
 //!
-//! A cell is one number, `row * width + column`, both from 0. In one step each part moves to one of its four neighbours or stays.
-//! The separation rule concerns pairs of positions at the same and at neighbouring instants: a part at `q` at instant `t` and
-//! another at `p` at `t - 1`, `t` or `t + 1` keep the required Chebyshev distance. It is equivalent to the rule for steps, "all
-//! four combinations of the starts and ends of two parts", split into single positions: a path is legal exactly if none of its
-//! positions is too near to any of three positions of another; pairs of moves need no check.
+//! A cell is one number, `row * width + column`, both from 0. In one step each part moves to one of its four neighbours
+//! or stays. The separation rule concerns pairs of positions at the same and at neighbouring instants: a part at `q` at
+//! instant `t` and another at `p` at `t - 1`, `t` or `t + 1` keep the required Chebyshev distance. It is equivalent to
+//! the rule for steps, "all four combinations of the starts and ends of two parts", split into single positions: a path
+//! is legal exactly if each of its positions keeps the distance from the three positions of every other path at `t -
+//! 1`, `t` and `t + 1`. Pairs of moves need no check.
 
 use super::channels::broadcast::SharedChannels;
 use crate::claims::electrode_array::ElectrodeArrayObjective;
@@ -15,7 +16,7 @@ use fixedbitset::FixedBitSet;
 /// A cell: `row * width + column`, both from 0.
 pub type CellIndex = u32;
 
-/// The cells allowed for the centre of a part.
+/// A board: the cells that the centre of a part may take.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BoardGrid {
     width: u32,
@@ -97,7 +98,8 @@ impl BoardGrid {
         }
     }
 
-    /// The corners, lowest and highest column and row, of the rectangle that the free cells fill; `None` where they fill none.
+    /// Lowest and highest corner, as (column, row), of the rectangle of free cells; `None` if the free cells form no
+    /// rectangle.
     pub fn free_rectangle(&self) -> Option<[(u32, u32); 2]> {
         let mut free =
             (0..self.cells() as CellIndex).filter(|cell| !self.is_blocked(*cell)).map(|cell| self.place(cell));
@@ -153,8 +155,8 @@ impl BoardGrid {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Agent {
     pub start: CellIndex,
-    /// Cells to visit in this order; the last one is its goal, where it stays. Never empty: the goal of a part that only steps
-    /// aside is its start.
+    /// Cells to visit in this order; the last one is its goal, where it stays. Never empty: the goal of a part that
+    /// only yields is its start.
     pub stops: Vec<CellIndex>,
 }
 
@@ -175,8 +177,8 @@ pub struct Instance {
     /// Least Chebyshev distance of two centres at the same and at neighbouring instants; at least 1.
     pub separation: u32,
     pub agents: Vec<Agent>,
-    /// Pairs that share one goal, the smaller index first. For them a position on that goal is never too near, and each stays on it
-    /// from its first instant there. Neither has other stops.
+    /// Pairs that share one goal, the smaller index first. For such a pair, a position on that goal is never too near;
+    /// each agent stays there from its first arrival. Neither has other stops.
     pub merges: Vec<[usize; 2]>,
 }
 
@@ -187,7 +189,7 @@ impl Instance {
         self.merges.contains(&pair).then(|| self.agents[one].goal())
     }
 
-    /// Whether positions of two agents, at the same or at neighbouring instants, violate the separation.
+    /// Whether positions of two agents, at the same or at neighbouring instants, violate the separation rule.
     #[inline]
     pub fn too_near(&self, one: usize, at: CellIndex, other: usize, other_at: CellIndex) -> bool {
         self.board.apart(at, other_at) < self.separation
@@ -195,8 +197,8 @@ impl Instance {
     }
 }
 
-/// The path of each agent, from its start to its last arrival at its goal: position `t` is its cell at instant `t`; afterwards it
-/// stays on its goal.
+/// The path of each agent, from its start to its last arrival at its goal: position `t` is its cell at instant `t`.
+/// Afterwards it stays on its goal.
 pub type Paths = Vec<Vec<CellIndex>>;
 
 /// The cell of an agent at an instant.
@@ -205,7 +207,7 @@ pub fn position(path: &[CellIndex], instant: usize) -> CellIndex {
     path[instant.min(path.len() - 1)]
 }
 
-/// Objective to minimise. Each breaks ties by the other.
+/// Objective to minimise. Each breaks ties by the other one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BoardObjective {
     /// The instant of the last arrival.
@@ -215,7 +217,7 @@ pub enum BoardObjective {
 }
 
 impl BoardObjective {
-    /// That of a task.
+    /// The objective of a task.
     pub fn of(objective: ElectrodeArrayObjective) -> BoardObjective {
         match objective {
             ElectrodeArrayObjective::Makespan => BoardObjective::Makespan,
@@ -247,7 +249,7 @@ impl BoardCosts {
     }
 }
 
-/// The best plan of a stage so far, as told to who watches the search.
+/// Progress display of the best plan of a stage so far.
 #[derive(Debug)]
 pub struct HeldBoardPlan {
     objective: BoardObjective,
@@ -257,12 +259,12 @@ pub struct HeldBoardPlan {
 }
 
 impl HeldBoardPlan {
-    /// A first plan; no plan is below the bounds.
+    /// Begins with a first plan and the lower bounds on every plan.
     pub fn begin(objective: BoardObjective, costs: BoardCosts, bounds: BoardCosts) -> HeldBoardPlan {
         HeldBoardPlan { objective, costs, bounds, held: HeldPlan::begin(|| summary(objective, costs, bounds)) }
     }
 
-    /// Another plan, which may be better, and the bounds that are known by now.
+    /// Offers another plan, which may be better, and the current bounds.
     pub fn offer(&mut self, costs: BoardCosts, bounds: BoardCosts) {
         if costs.key(self.objective) < self.costs.key(self.objective) {
             self.costs = costs;
@@ -280,7 +282,7 @@ fn summary(objective: BoardObjective, costs: BoardCosts, bounds: BoardCosts) -> 
     }
 }
 
-/// Result for one stage; a search that gave up has lower bounds on every plan.
+/// Result for one stage. A search that gave up returns lower bounds on every plan.
 pub type BoardAnswer = SearchAnswer<BoardPlan, NoBoardPlan, BoardCosts>;
 
 /// A plan of one stage with lower bounds; a cost that meets its bound is proven optimal.
@@ -290,24 +292,24 @@ pub struct BoardPlan {
     pub bounds: BoardCosts,
 }
 
-/// The cells to which each of some agents comes in a search.
+/// The cells that each agent reaches in a search.
 pub struct MetCells {
     /// By agent and cell.
     is_met: Vec<Vec<bool>>,
 }
 
 impl MetCells {
-    /// None yet, of a board with so many cells.
+    /// An empty set for a board of `cells` cells.
     pub fn new(agents: usize, cells: usize) -> MetCells {
         MetCells { is_met: vec![vec![false; cells]; agents] }
     }
 
-    /// Notes a cell of an agent.
+    /// Records that an agent reaches a cell.
     pub fn meet(&mut self, agent: usize, cell: CellIndex) {
         self.is_met[agent][cell as usize] = true;
     }
 
-    /// By agent, its cells, ascending.
+    /// The cells of each agent, ascending.
     pub fn listed(self) -> Vec<Vec<CellIndex>> {
         let cells = |own: Vec<bool>| (0..).zip(own).filter_map(|(cell, is_met)| is_met.then_some(cell)).collect();
         self.is_met.into_iter().map(cells).collect()
@@ -317,12 +319,14 @@ impl MetCells {
 /// Why there is no plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NoBoardPlan {
-    /// Blocked cells cut this agent off from this of its stops, even when it is alone.
+    /// Blocked cells cut this agent off from this stop, even when it is alone on the board.
     Closed { agent: usize, stop: usize },
-    /// Other electrodes of the channels on its way keep this agent from this of its stops, even when it is alone.
+    /// Shared channels keep this agent from this stop, even when it is alone: their other electrodes, switched along
+    /// its way, would pull it apart.
     Torn { agent: usize, stop: usize },
-    /// These agents cannot pass one another, whatever the others do; the smallest such set found.
+    /// These agents cannot pass one another, whatever the others do; the smallest set found that cannot.
     Blocked { agents: Vec<usize> },
-    /// A plan exists or may exist, but none within the limit on steps; `least` is a lower bound on the steps.
+    /// No plan keeps the limit on steps, though one without the limit exists or may exist; `least` is a lower bound on
+    /// the steps.
     TooFewSteps { least: u64 },
 }

@@ -1,7 +1,7 @@
-//! An assay of a task as errands of agents, and plans of it as courses of parts.
+//! Converts an assay of a task to errands of agents, and the planned courses of agents back to courses of parts.
 //!
-//! Input: the order, the current cells of its parts, and the operations. Output: an [`AssayProblem`], and from the cells of its
-//! agents those of the parts.
+//! Input: the order, the current cells of its parts, and the operations. Output: an [`AssayProblem`]; and, from the
+//! cells of its agents, those of the parts.
 
 use super::assay::{AgentCourse, AssayProblem, Errand, ErrandLag, ErrandPlace, SplitErrand, Traces};
 use super::board::CellIndex;
@@ -11,7 +11,7 @@ use crate::claims::electrode_array::{
 };
 use crate::device::electrode_array::ElectrodeCell;
 
-/// What an assay is planned on.
+/// Context in which an assay is planned.
 #[derive(Clone, Copy)]
 pub struct AssaySite<'a> {
     pub order: &'a ElectrodeArrayOrder,
@@ -23,19 +23,19 @@ pub struct AssaySite<'a> {
 /// The cells of a part in an assay.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PartCourse {
-    /// The instant from which on it is on the board.
+    /// The first instant at which it is on the board.
     pub since: usize,
-    /// The part that has given it off in the step of the board before, if it comes by a split.
+    /// The part from which it splits off in the step before `since`, if it enters by a split.
     pub parent: Option<usize>,
-    /// From that instant of the step on, one for each, until its last operation is done; afterwards it stays. Empty if it was gone before,
-    /// or has not come yet.
+    /// One cell per instant, from `since` until its last operation is done; afterwards it stays. Empty if it was gone
+    /// before or has not entered yet.
     pub cells: Vec<ElectrodeCell>,
-    /// Whether it merges with another part or leaves the board, and is gone after the last cell.
+    /// Whether it merges into another part or leaves the board, and so is gone after the last cell.
     pub is_gone: bool,
 }
 
 impl PartCourse {
-    /// Its cell at an instant; before it is there, the first one, after its end, the last one.
+    /// Its cell at an instant: the first one before it enters, the last one after its end; `None` if it has no cells.
     pub fn at(&self, instant: usize) -> Option<ElectrodeCell> {
         self.cells.get(instant.saturating_sub(self.since)).or(self.cells.last()).copied()
     }
@@ -45,46 +45,46 @@ impl PartCourse {
         self.since + self.cells.len()
     }
 
-    /// The instant at which it comes to its last cell.
+    /// The instant of its last move.
     pub fn last_arrival(&self) -> usize {
         let last = self.cells.last();
         self.cells.iter().rposition(|cell| Some(cell) != last).map_or(0, |before| self.since + before + 1)
     }
 }
 
-/// What each part does in an assay: one entry for each part, in the order of their first operations.
+/// Errands of the parts in an assay: one entry per part, in the order of their first operations.
 pub struct PartErrands {
     /// All stops of a part.
     pub moves: Vec<ElectrodeArrayMove>,
-    /// For each stop what the part does there.
+    /// By part and stop: the work that the part does there.
     works: Vec<Vec<StopWork>>,
     comes: Vec<bool>,
     is_gone: Vec<bool>,
-    /// The parts that give them off.
+    /// By part: the part from which it splits off, if it does.
     parents: Vec<Option<usize>>,
-    /// For each operation, what is done when it is.
+    /// By operation: the errand that completes it.
     ends: Vec<Option<ErrandPlace>>,
 }
 
-/// What a part does at a stop.
+/// Work of a part at a stop.
 #[derive(Debug, Clone, Default)]
 struct StopWork {
-    /// Steps of the board for which it stays,
+    /// Steps of the board for which it stays at the stop or is mixed.
     steps: u32,
-    /// going round its mixing loop.
+    /// Whether it goes round its mixing loop during these steps.
     mixes: bool,
     /// The part that it merges with.
     with: Option<usize>,
-    /// The part that it gives off as it comes from the stop before.
+    /// The part that splits off from it as it moves from the previous stop to this one.
     splits: Option<usize>,
-    /// The operations that are done before.
+    /// Operations that must be done before.
     after: Vec<usize>,
-    /// The operation; none where it only passes, or is where it has come out of another one.
+    /// The operation; `None` at a waypoint and at the cell where it has split off.
     operation: Option<usize>,
 }
 
 impl PartErrands {
-    /// The operations by parts, from their current cells; for those that come, the outlet.
+    /// Groups the operations by part, from the current cells; parts that enter the board start at their outlet.
     pub fn new(
         order: &ElectrodeArrayOrder,
         cells: &[Option<ElectrodeCell>],
@@ -115,7 +115,7 @@ impl PartErrands {
                 };
                 errands.works[index].resize(own.len() - 1, StopWork::default());
                 errands.works[index].push(work);
-                // Of two that merge, the one that remains.
+                // Of two parts that merge, the one that remains.
                 errands.ends[nth].get_or_insert(ErrandPlace { agent: index, errand: errands.works[index].len() - 1 });
                 errands.comes[index] |= operation.comes;
                 errands.is_gone[index] |= operation.gone() == Some(part);
@@ -141,7 +141,7 @@ impl PartErrands {
         })
     }
 
-    /// A part that is to be mixed round a loop which leaves the board.
+    /// A part whose mixing loop leaves the board.
     pub fn off_board(&self, order: &ElectrodeArrayOrder) -> Option<usize> {
         let [columns, rows] = order.facts.mixer.map(|side| side - 1);
         let leaves = |cell: ElectrodeCell| {
@@ -154,7 +154,7 @@ impl PartErrands {
         self.moves.iter().zip(&self.works).find(is_off).map(|(one, _)| one.part)
     }
 
-    /// The problem of a stage that was made of the moves of these operations.
+    /// The assay problem of a stage that was made from the moves of these operations.
     pub fn problem<'s>(
         &self,
         order: &ElectrodeArrayOrder,
@@ -184,7 +184,7 @@ impl PartErrands {
             });
             errands.push(own.collect());
         }
-        // Agents without an operation only step aside.
+        // Agents without an operation only yield.
         let of_agents = |flags: &[bool]| -> Vec<bool> {
             (0..instance.agents.len()).map(|agent| flags.get(agent).copied().unwrap_or(false)).collect()
         };
@@ -228,7 +228,7 @@ impl PartErrands {
     }
 }
 
-/// The contents of the agents by their numbers, and which of them do harm to others.
+/// The contents of the agents, numbered, and which of them contaminate others.
 fn traces(order: &ElectrodeArrayOrder, stage: &BoardStage, operations: &[AssayOperation]) -> Traces {
     let contamination = &order.contamination;
     let mut known: Vec<Fluids> = Vec::new();
@@ -255,7 +255,7 @@ fn traces(order: &ElectrodeArrayOrder, stage: &BoardStage, operations: &[AssayOp
     }
     let of_agent = |actor: &Actor| {
         let (own, last) = (&contents[actor.part], number(&now[actor.part]));
-        // Who only steps aside has one stop.
+        // An agent that only yields has one stop.
         own.iter().copied().chain(own.is_empty().then_some(last)).chain([last]).collect()
     };
     let contents = stage.agents.iter().map(of_agent).collect();
@@ -265,7 +265,7 @@ fn traces(order: &ElectrodeArrayOrder, stage: &BoardStage, operations: &[AssayOp
     Traces { contents, washes, harms }
 }
 
-/// The cells of every part of the order, from the courses of the agents.
+/// The course of every part of the order, from the courses of the agents.
 pub fn courses_of(
     order: &ElectrodeArrayOrder,
     stage: &BoardStage,
@@ -291,7 +291,7 @@ pub fn courses_of(
     motion
 }
 
-/// The cells of the parts; for those that come in an assay, where they do.
+/// The cells of the parts before an assay; a part that enters during the assay has the cell where it enters.
 pub fn with_new_parts(cells: &[Option<ElectrodeCell>], operations: &[AssayOperation]) -> Vec<Option<ElectrodeCell>> {
     let mut cells = cells.to_vec();
     for (part, cell) in operations.iter().filter_map(AssayOperation::new_part) {

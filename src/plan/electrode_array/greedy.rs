@@ -9,11 +9,11 @@ use crate::claims::electrode_array::ElectrodeArrayStep;
 use crate::device::electrode_array::{ElectrodeCell, Separation};
 use crate::plan::errors;
 
-/// Horizon of the published planner as a multiple of half the circumference of the board: the paper uses 100 steps on a board of 50
-/// by 50.
+/// Horizon of the published planner as a multiple of half the board's perimeter; the paper uses 100 steps on a board of
+/// 50 by 50 cells.
 const PUBLISHED_HORIZON: usize = 4;
 
-/// Pair checks of the published planner that take as long as one expansion of another planner.
+/// Pair checks of the published planner that take as long as one node expansion of another planner.
 const LOOKS_PER_EXPANSION: u64 = 20;
 
 impl Tasks<'_> {

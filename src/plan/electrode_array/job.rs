@@ -1,8 +1,8 @@
-//! One job of an electrode array: its steps planned one after the other, from the current cells of the parts.
+//! One job of an electrode array: its steps are planned one after the other, from the current cells of the parts.
 //!
-//! After each step every part is on a cell that the program names: its goal, or its cell before. So the optimal plans of the steps
-//! form the optimal plan of the job, and its bounds are the sums of theirs. Only limits couple the steps; where the best plan
-//! breaks one, [`limited`] chooses among the plans of each step.
+//! After each step every part is on a cell that the program names: its goal, or the cell where it was before. So the
+//! optimal plans of the steps form the optimal plan of the job, and its bounds are the sums of theirs. Only limits
+//! couple the steps; where the best plan breaks a limit, [`limited`] chooses among the plans of each step.
 
 use super::assay::NoAssayPlan;
 use super::board::{self, BoardAnswer, BoardCosts, BoardObjective, BoardPlan, NoBoardPlan, Paths};
@@ -39,7 +39,8 @@ use crate::source::Span;
 use std::collections::BTreeMap;
 
 impl KindPlanner for ElectrodeArrayOrder {
-    /// Which part of a team comes to which goal, and where an operation takes place. Parts that yield come back.
+    /// Whether the plan chooses which part of a team goes to which goal, or where an operation takes place. Parts that
+    /// yield return to their cells.
     fn chooses_its_end(&self) -> bool {
         self.steps.iter().any(|step| match &step.action {
             ElectrodeArrayAction::Move(moves) => moves.iter().any(|one| one.team.is_some()),
@@ -63,7 +64,7 @@ pub fn plan(
     plan
 }
 
-/// A plan, and the cells of the parts after it.
+/// Returns a plan, if one is found, and the cells of the parts after the job.
 fn planned(
     job: &Job,
     order: &ElectrodeArrayOrder,
@@ -103,7 +104,7 @@ fn planned(
         return (within_limits(job, order, &ground, motion, &known, sink), end);
     }
     let plan = finished(order, motion, bounds, None);
-    // The bounds of an assay hold whatever the limits are; those of a published plan are not asked for.
+    // The bounds of an assay hold whatever the limits are; a published plan is not asked for bounds.
     let least = |requirement: &Requirement| match assays.is_empty() {
         true => KnownLimit::default(),
         false => KnownLimit { least: limits::least(order, &requirement.outcome, bounds), ..KnownLimit::default() },
@@ -121,8 +122,8 @@ fn planned(
     (None, end)
 }
 
-/// The best plan of some orders in which interchangeable parts have goals of their own, with bounds that hold for all of them, and the cells
-/// of the parts after it.
+/// The cheapest plan among orders in which interchangeable parts have goals of their own, and the cells of the parts
+/// after it. `bounds` hold for all of these orders.
 fn best_assigned(
     job: &Job,
     order: &ElectrodeArrayOrder,
@@ -137,7 +138,8 @@ fn best_assigned(
     plans.min_by(|(one, _), (other, _)| one.cost.total_cmp(&other.cost))
 }
 
-/// A plan of fewer steps than the one of the least sum of costs, if that keeps the limits, and the cells of the parts after it.
+/// The plan of the fewest steps, and the cells of the parts after it, if it keeps the limits. Tried where the plan of
+/// the least sum of costs breaks them.
 fn in_fewest_steps(
     job: &Job,
     order: &ElectrodeArrayOrder,
@@ -152,7 +154,7 @@ fn in_fewest_steps(
     Some((finished(order, plan?.motion, bounds, None), end))
 }
 
-/// The plan that is best without limits if it keeps them; else the best of the plans found that keep them.
+/// The plan that is best without limits, if it keeps them; otherwise the best plan found that does.
 fn within_limits(
     job: &Job,
     order: &ElectrodeArrayOrder,
@@ -188,7 +190,7 @@ fn within_limits(
     }
 }
 
-/// The plans of each step that matter under limits; one is enough if only one step moves parts.
+/// The plans of each step that matter under the limits. One plan is enough if only one step moves parts.
 fn fronts(
     order: &ElectrodeArrayOrder,
     ground: &BoardGround,
@@ -224,7 +226,7 @@ fn fronts(
     fronts
 }
 
-/// State of a job whose steps are being planned.
+/// State while the steps of a job are planned.
 pub(super) struct Tasks<'a> {
     pub(super) job: &'a Job,
     pub(super) order: &'a ElectrodeArrayOrder,
@@ -233,15 +235,16 @@ pub(super) struct Tasks<'a> {
     start: &'a [Option<ElectrodeCell>],
     /// Current cells of the parts.
     cells: Vec<Option<ElectrodeCell>>,
-    /// Those that the program leaves open.
+    /// Parts whose cells the program leaves open.
     loose: LooseParts,
-    /// The plans of the steps with moves, and their bounds.
+    /// Paths of the steps with moves, with their lower bounds.
     known: Vec<(Paths, BoardCosts)>,
-    /// The bounds of the assays, and of the steps with interchangeable goals.
+    /// Lower bounds of the assays and of the steps with interchangeable goals.
     assays: Vec<BoardCosts>,
-    /// The first step without a plan from where the plan has brought the parts, though it may have one from elsewhere.
+    /// The first step without a plan from the cells that the plan chose for the parts. From other cells it may have
+    /// one.
     stranded: Option<Span>,
-    /// Whether a remedy may still be tried, once per job, since each try costs as much as planning.
+    /// Whether a remedy may still be tried. One is tried per job, since each try costs as much as planning.
     may_remedy: bool,
     pub(super) sink: &'a mut Sink,
 }
@@ -286,7 +289,8 @@ impl Tasks<'_> {
         }
     }
 
-    /// Notes that a step has no plan from here. What comes after it would begin where no plan leads.
+    /// Records that a step has no plan from the current cells. Steps after it would start from cells that no plan
+    /// reaches.
     fn strand(&mut self, step: &ElectrodeArrayStep) {
         self.stranded.get_or_insert(step.span);
     }
@@ -325,7 +329,7 @@ impl Tasks<'_> {
         None
     }
 
-    /// Why an assay has no plan; `is_torn` if it would have one with a channel for each electrode.
+    /// Reports why an assay has no plan. `is_torn`: it would have one if each electrode had a channel of its own.
     fn no_courses(&mut self, step: &ElectrodeArrayStep, stage: &BoardStage, none: &NoArrangement, is_torn: bool) {
         let before = std::mem::take(&mut *self.sink);
         match &none.why {
@@ -410,7 +414,8 @@ impl Tasks<'_> {
         None
     }
 
-    /// The bounds that were proven of a step, if they hold wherever the plan has brought the parts; else what does.
+    /// Lower bounds of a step that hold wherever the plan has brought the parts: the proven `bounds` if the cells are
+    /// fixed, else weaker ones.
     fn least_of(&self, step: &ElectrodeArrayStep, bounds: BoardCosts) -> BoardCosts {
         let least = self.loose.least(self.order, self.ground, &self.cells, &step.action);
         least.unwrap_or(bounds)
@@ -423,15 +428,15 @@ impl Tasks<'_> {
         self.sink.push(self.with_avoided(diagnostic.help(more_may_do(budget.steps)), step));
     }
 
-    /// A search that ended before its budget did.
+    /// Reports a search that ended before its budget was used up.
     fn nothing_left_to_try(&mut self, step: &ElectrodeArrayStep, to: &str, bounds: BoardCosts) {
         let avoids = !self.order.contamination.is_unheeded();
         let diagnostic = errors::nothing_left_to_try(step.span, to, bounds.makespan, avoids);
         self.sink.push(self.with_avoided(diagnostic, step));
     }
 
-    /// A message about a step that has no plan, with where the task avoids traces, which washes that adds, and how soon operations
-    /// begin, if it says so.
+    /// Labels a diagnostic about a step that has no plan with what restricts it: avoided traces, the washes that these
+    /// add, and the time within which operations must begin.
     fn with_avoided(&self, diagnostic: Diagnostic, step: &ElectrodeArrayStep) -> Diagnostic {
         let operations: &[AssayOperation] =
             if let ElectrodeArrayAction::Assay(operations) = &step.action { operations } else { &[] };
@@ -479,7 +484,7 @@ impl Tasks<'_> {
         }
     }
 
-    /// A part that blocked cells cut off from one of its stops.
+    /// Reports a part that blocked cells cut off from one of its stops.
     fn closed(&mut self, stage: &BoardStage, agent: usize, stop: usize) {
         let (actor, asked) = (&stage.agents[agent], &stage.instance.agents[agent]);
         let from = if stop == 0 { asked.start } else { asked.stops[stop - 1] };
@@ -513,7 +518,7 @@ impl Tasks<'_> {
         });
     }
 
-    /// Plans the whole task with a remedy, which seeks no further one.
+    /// Plans the whole task with a remedy applied, without trying further remedies.
     fn tried(&mut self, shut: &Shut) -> Tried {
         let may_remedy = std::mem::replace(&mut self.may_remedy, false);
         let Some(order) = shut.remedied().filter(|_| may_remedy) else { return Tried::LeftOut };
@@ -530,13 +535,13 @@ impl Tasks<'_> {
     }
 }
 
-/// How far a part came.
+/// The cells that a part reached.
 fn reach(order: &ElectrodeArrayOrder, part: &str, cells: Vec<board::CellIndex>) -> Reach {
     let places = cells.into_iter().map(|cell| stage::cell(order, cell)).map(|cell| (cell.column, cell.row));
     Reach { what: part.to_owned(), extent: ReachExtent::Cells(CellRun::all(places)) }
 }
 
-/// Advice after a search that gave up; how long it would take is not known.
+/// Advice after a search that gave up; the budget that would suffice is not known.
 fn more_may_do(budget: u64) -> String {
     let most = u64::from(MAX_EXPANSIONS);
     if budget >= most {
@@ -547,7 +552,7 @@ fn more_may_do(budget: u64) -> String {
     format!("no budget is known to do; a larger one may: `using portfolio {{ expansions: {more} }}`")
 }
 
-/// The plan with its figures; `bounds` hold for every plan, `bound` for those that keep the limits of the task.
+/// The plan with its figures. `bounds` hold for every plan, `bound` only for plans that keep the limits of the task.
 fn finished(
     order: &ElectrodeArrayOrder,
     motion: ElectrodeArrayMotion,

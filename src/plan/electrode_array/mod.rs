@@ -1,14 +1,18 @@
-//! Planner of electrode arrays: many parts at once from their cells to their goals, one step of the platform after the other.
+//! Planner of electrode arrays: moves many parts at once from their cells to their goals, step by step of the task.
 //!
-//! Input: a job, and the cells of the parts. Output: a plan, or an error that explains why there is none. Reading order:
+//! Input: a job and the current cells of its parts. Output: a plan, or an error that explains why there is none.
+//! Reading order:
 //!
-//! - the task: `job` (step by step), `standings` (where earlier plans have left the parts), `stage` (one step on flat cell indices, [`board`]);
-//! - the default planner of a step: `portfolio` ([`fast`] and `lacam` find plans, [`exact`] and [`joint`] prove them optimal or impossible);
-//! - other steps: [`channels`] (an electrode is switched with others), [`teams`] (goals that are not told apart), `greedy` on [`published`] (the
-//!   planner of the paper);
-//! - assays: `errands` (operations that depend on each other only by their parts), [`assay`] (their plan), [`places`] (where operations
-//!   take place, where the program leaves it open), `one_by_one` (the plan of last resort);
-//! - `limits` (plans of all steps within the limits of the task), `reasons` (why there is no plan, and what would help).
+//! - the task: `job` (steps in sequence), `standings` (where earlier plans left the parts), `stage` (one step on flat
+//!   cell indices, [`board`]);
+//! - the default planner of a step: `portfolio` ([`fast`] and `lacam` find plans, [`exact`] and [`joint`] prove them
+//!   optimal or impossible);
+//! - other steps: [`channels`] (electrodes that share a channel switch together), [`teams`] (goals shared by
+//!   interchangeable parts), `greedy` on [`published`] (the planner of the paper);
+//! - assays: `errands` (operations that depend on each other only through their parts), [`assay`] (their plan),
+//!   [`places`] (choice of the places that the program leaves open), `one_by_one` (fallback planner);
+//! - `limits` (plans of all steps within the limits of the task), `reasons` (why there is no plan, and what would
+//!   help).
 
 pub mod assay;
 pub mod board;

@@ -1,4 +1,4 @@
-//! What a plan has the parts of a board do.
+//! Planned motion of the parts of a board.
 
 use super::errands::PartCourse;
 use crate::claims::electrode_array::AssayOperation;
@@ -7,7 +7,8 @@ use crate::device::electrode_array::ElectrodeCell;
 /// Motion of the parts of a board.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElectrodeArrayMotion {
-    /// Start cell of each part of the order; `None` for one that has already merged with another, or has not come yet.
+    /// Start cell of each part of the order; `None` for a part that has already merged into another or has not entered
+    /// yet.
     pub start: Vec<Option<ElectrodeCell>>,
     /// One for each step of the order.
     pub steps: Vec<ElectrodeArrayStepMotion>,
@@ -16,9 +17,10 @@ pub struct ElectrodeArrayMotion {
 /// Motion of the parts in one step of the task.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ElectrodeArrayStepMotion {
-    /// For each part its cells at the instants 0, 1, … of the step, until it stays; empty for a part that has already merged.
+    /// For each part its cells at instants 0, 1, … of the step, until it stays; empty for a part that has already
+    /// merged.
     Paths(Vec<Vec<ElectrodeCell>>),
-    /// Operations at the places that the plan has chosen for them.
+    /// Operations, with the places that the plan has chosen for them.
     Assay {
         operations: Vec<AssayOperation>,
         /// One for each part.

@@ -1,5 +1,5 @@
-//! The operations of an assay one after the other, which is what they would be as steps of their own: a plan where [`super::assay`] finds
-//! none.
+//! Fallback plan of an assay where [`super::assay`] finds none: its operations one after the other, as if each were a
+//! step of its own.
 
 use super::assay::{AgentCourse, AssayPlan, AssayProblem, are_kept, are_kept_by_courses, cut_where_gone};
 use super::board::{BoardAnswer, BoardCosts, BoardObjective, CellIndex};
@@ -10,7 +10,8 @@ use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayMove, Electro
 use crate::device::electrode_array::ElectrodeCell;
 use crate::plan::search::SearchBudget;
 
-/// A plan of the operations in turn, each with the best plan of a step of its own; `None` if one of them has none.
+/// A plan of the operations in turn, each planned as a step of its own; `None` if one of them finds no plan, or traces,
+/// lags or channels are violated.
 pub fn one_by_one(
     site: &AssaySite,
     operations: &[AssayOperation],
@@ -39,7 +40,7 @@ pub fn one_by_one(
     is_sound.then_some(AssayPlan { courses, bounds })
 }
 
-/// The courses of the agents while their operations take turns.
+/// State while the operations take turns.
 struct Turns<'a> {
     order: &'a ElectrodeArrayOrder,
     ground: &'a BoardGround<'a>,
@@ -83,7 +84,7 @@ impl Turns<'_> {
         Some(())
     }
 
-    /// All parts that are on the board stay where they are until they have some number of instants.
+    /// Keeps all parts on the board where they are until their courses have `instants` instants.
     fn rest(&mut self, instants: u32) {
         let there = self.courses.iter_mut().zip(&self.stage.agents).filter(|(_, actor)| self.now[actor.part].is_some());
         for (course, _) in there {
@@ -92,7 +93,7 @@ impl Turns<'_> {
         }
     }
 
-    /// Whether a cell is clear of all parts but one.
+    /// Whether a cell is clear of all parts except one.
     fn is_clear(&self, cell: ElectrodeCell, but: usize) -> bool {
         let apart = self.order.facts.separation.apart();
         let others = self.now.iter().enumerate().filter(|(part, _)| *part != but);
@@ -128,7 +129,7 @@ impl Turns<'_> {
         Some(())
     }
 
-    /// The part is pulled apart, and goes to a cell.
+    /// Splits the part, which moves to a cell.
     fn split(&mut self, operation: &AssayOperation, goes: ElectrodeCell) -> Option<()> {
         let (part, (new, comes)) = (operation.part, operation.new_part()?);
         [goes, comes].into_iter().all(|cell| self.is_clear(cell, part)).then_some(())?;
@@ -141,7 +142,7 @@ impl Turns<'_> {
         Some(())
     }
 
-    /// An agent goes round its loop for some steps, from the corner on.
+    /// Moves an agent round its loop for some steps, from the corner on.
     fn mix(&mut self, agent: usize, steps: u32) -> Option<()> {
         let corner = *self.courses[agent].cells.last()?;
         let around = self.problem.loops.iter().find(|around| around[0] == corner)?;
@@ -155,8 +156,8 @@ impl Turns<'_> {
     }
 }
 
-/// Cuts courses after the instant at which all errands are done and nothing moves any more: while others were at work, a part may
-/// have done an operation that comes later.
+/// Cuts courses after the instant at which all errands are done and nothing moves any more. A later operation may be
+/// done earlier than in its turn, while other parts were at work.
 fn trim(problem: &AssayProblem, courses: &mut [AgentCourse]) {
     let done_by = cut_where_gone(problem, courses);
     for (course, done_at) in courses.iter_mut().zip(done_by) {

@@ -1,8 +1,8 @@
 //! One step of a task as a problem on flat cell indices.
 //!
-//! Input: the order, the cells of its parts, and the moves of the step. Output: a [`BoardStage`]. Promise: every cell that a part's
-//! centre may not take is blocked, and the cause of each blocked cell is known: the rim of the board, an obstacle grown according
-//! to the model, or a part that stays.
+//! Input: the order, the cells of its parts, and the moves of the step. Output: a [`BoardStage`]. Guaranteed: every
+//! cell that a part's centre may not take is blocked, and the cause of each blocked cell is known: the rim of the
+//! board, an obstacle grown according to the model, or a part that stays.
 
 use super::board::{self, Agent, BoardGrid, Instance};
 use super::channels::broadcast::SharedChannels;
@@ -18,14 +18,14 @@ use std::ops::RangeInclusive;
 /// A step of a task, ready for a planner.
 pub struct BoardStage<'a> {
     pub instance: Instance,
-    /// For each agent its part, and its move, if it has one.
+    /// For each agent its part, and its move if it has one.
     pub agents: Vec<Actor<'a>>,
     pub ground: &'a BoardGround<'a>,
-    /// The obstacles of the ground, then the parts that stay.
+    /// The parts that stay.
     standing: Vec<CellBlocker<'a>>,
 }
 
-/// The board and obstacles, common to all steps of a task.
+/// The board and its obstacles, common to all steps of a task.
 pub struct BoardGround<'a> {
     obstacles: Vec<CellBlocker<'a>>,
     /// The board without obstacles, except its rim.
@@ -65,22 +65,22 @@ impl<'a> BoardGround<'a> {
 pub struct Actor<'a> {
     /// Index into the order's parts.
     pub part: usize,
-    /// `None` for a part that only steps aside.
+    /// `None` for a part that only yields.
     pub asked: Option<&'a ElectrodeArrayMove>,
 }
 
 impl Actor<'_> {
-    /// Its part's name, and where a message about it points: to its move, or to its part if it only steps aside.
+    /// Its part's name, and the span for messages: that of its move, or of its part if it only yields.
     pub fn named<'o>(&self, order: &'o ElectrodeArrayOrder) -> (&'o str, Span) {
         let part = &order.parts[self.part];
         (&part.name, self.asked.map_or(part.span, |action| action.span))
     }
 }
 
-/// A rectangle of cells closed to the centres of parts.
+/// A rectangle of cells that the centres of parts may not take.
 pub struct CellBlocker<'a> {
     name: &'a str,
-    /// Current cell, if it is a part.
+    /// Its cell, if it is a part that stays.
     at: Option<ElectrodeCell>,
     pub span: Span,
     /// Columns and rows from 0, both ends included; may extend beyond the rim.
@@ -118,10 +118,11 @@ impl CellBlocker<'_> {
     }
 }
 
-/// Blocks the cells of some blockers by prefix sums: the cost is the size of the board plus their number, however large they are.
+/// Blocks the cells of blockers by two-dimensional prefix sums: the cost is the number of cells plus the number of
+/// blockers, however large these are.
 fn cover(board: &mut BoardGrid, blockers: &[CellBlocker]) {
     let width = board.width() as usize + 1;
-    // Number of blockers that begin at a cell minus those that end before it, along rows and along columns.
+    // Differences of the number of blockers that cover a cell, along rows and along columns.
     let mut changes = vec![0i32; width * (board.height() as usize + 1)];
     for [columns, rows] in blockers.iter().map(|blocker| blocker.clipped(board)) {
         if columns.is_empty() || rows.is_empty() {
@@ -214,7 +215,7 @@ impl<'a> BoardStage<'a> {
         self.standing.iter().filter_map(|blocker| Some((blocker.name, flat(order, blocker.at?))))
     }
 
-    /// The first few goals, each once, as text.
+    /// The first few distinct goals, as text.
     pub fn goals(&self) -> String {
         const MAX_NAMED: usize = 3;
         let mut goals: Vec<ElectrodeCell> = Vec::new();
@@ -244,7 +245,7 @@ fn merges(actors: &[Actor]) -> Vec<[usize; 2]> {
     seconds.map(|(second, _)| [second - 1, second]).collect()
 }
 
-/// The board with its rim, where no centre can be.
+/// The board without obstacles; its rim, which no centre can take, is blocked.
 fn bare(order: &ElectrodeArrayOrder) -> BoardGrid {
     let facts = &order.facts;
     let mut board = BoardGrid::new(facts.columns, facts.rows);
@@ -279,14 +280,14 @@ fn grown<'a>(obstacle: &'a ElectrodeArrayObstacle, facts: &ElectrodeArrayFacts) 
     }
 }
 
-/// All cells nearer than `distance` to a part that stays at `cell`.
+/// Blocker of all cells nearer than `distance` to a part that stays at `cell`.
 fn square<'a>(name: &'a str, span: Span, cell: ElectrodeCell, distance: u32) -> CellBlocker<'a> {
     let reach = i64::from(distance) - 1;
     let around = |at: u32| [i64::from(at) - 1 - reach, i64::from(at) - 1 + reach];
     CellBlocker { name, at: None, span, columns: around(cell.column), rows: around(cell.row) }
 }
 
-/// Visits the stages of all steps with moves: the index of the step, its stage, and the cells before it.
+/// Visits the stages of all steps with moves; `look` gets the index of the step, its stage, and the cells before it.
 pub fn each_stage(
     order: &ElectrodeArrayOrder,
     ground: &BoardGround,
@@ -302,7 +303,7 @@ pub fn each_stage(
     }
 }
 
-/// The cells of every part of the order, from the paths of the agents.
+/// The cells of every part of the order over time, from the paths of the agents.
 pub fn moves_of(
     order: &ElectrodeArrayOrder,
     stage: &BoardStage,

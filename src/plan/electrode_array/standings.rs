@@ -1,4 +1,4 @@
-//! Where the plans of a schedule leave the parts of each board, for the jobs that follow.
+//! The cells where the plans of earlier jobs leave the parts of each board.
 
 use super::stage::BoardGround;
 use crate::claims::Job;
@@ -7,7 +7,7 @@ use crate::device::electrode_array::ElectrodeCell;
 use crate::diagnostic::{Code, Diagnostic};
 use std::collections::BTreeMap;
 
-/// The cell of each part of each device, by name.
+/// The cell of each part of each device, by names of device and part.
 #[derive(Default)]
 pub struct BoardStandings {
     cells: BTreeMap<String, BTreeMap<String, Option<ElectrodeCell>>>,
@@ -21,15 +21,15 @@ impl BoardStandings {
         order.parts.iter().map(|part| stands(&part.name).unwrap_or(part.cell)).collect()
     }
 
-    /// Enters the cells of the parts of an order after its job.
+    /// Records the cells of the parts of an order after its job.
     pub fn leave(&mut self, job: &Job, order: &ElectrodeArrayOrder, cells: Vec<Option<ElectrodeCell>>) {
         let names = order.parts.iter().map(|part| part.name.clone());
         self.cells.entry(job.device.clone()).or_default().extend(names.zip(cells));
     }
 }
 
-/// A part that an earlier plan has left on an obstacle of this job's scene, or too near to it. Where a program names the place that is found
-/// when it is checked; here the plan has chosen it.
+/// Reports a part that an earlier plan left on an obstacle of this job's scene, or too near to one. Where the program
+/// names the cell, the check of the program finds this; here the plan has chosen the cell.
 pub fn on_obstacle(job: &Job, order: &ElectrodeArrayOrder, start: &[Option<ElectrodeCell>]) -> Option<Diagnostic> {
     let moved = order.parts.iter().zip(start).filter(|(part, cell)| part.cell != **cell);
     let mut moved = moved.filter_map(|(part, cell)| Some((part, (*cell)?))).peekable();

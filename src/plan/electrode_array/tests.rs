@@ -290,7 +290,7 @@ fn pairs_of_moves_are_safe_or_not_as_derived_by_hand() {
     }
 }
 
-/// An operation at one of some cells.
+/// An operation with a choice among some cells.
 fn stay(part: usize, cells: &[ElectrodeCell], steps: u64) -> AssayOperation {
     let stop = |cell: &ElectrodeCell| ElectrodeArrayStop { cell: *cell, span: span(7), origin: None };
     let places = cells.iter().map(|cell| OperationPlace { stop: stop(cell), zone: None });
@@ -299,7 +299,8 @@ fn stay(part: usize, cells: &[ElectrodeCell], steps: u64) -> AssayOperation {
     AssayOperation { among, stay_ns: steps * 5_000_000, ..passing }
 }
 
-/// A few droplets, and operations at places of choice: they stay, are mixed, merge, come after others, and leave.
+/// A few droplets, and operations with a choice of places: droplets stay, are mixed, merge, come after others, and
+/// leave.
 fn chosen_at_random(random: &mut SplitMix64) -> (ElectrodeArrayOrder, Vec<AssayOperation>) {
     let cell = |random: &mut SplitMix64| ElectrodeCell::new(1 + random.below(5) as u32, 1 + random.below(4) as u32);
     let cells = |random: &mut SplitMix64| -> Vec<ElectrodeCell> {
@@ -325,7 +326,7 @@ fn chosen_at_random(random: &mut SplitMix64) -> (ElectrodeArrayOrder, Vec<AssayO
     };
     let mut left: Vec<usize> = (0..board.parts.len()).collect();
     let mut operations: Vec<AssayOperation> = Vec::new();
-    // Some of them, or all, come out of one reservoir.
+    // Some or all of the droplets come from one reservoir.
     let outlet = board.parts[0].cell;
     for part in 0..random.below(board.parts.len() + 1) {
         Arc::make_mut(&mut board.parts)[part].cell = None;
@@ -357,8 +358,8 @@ fn chosen_at_random(random: &mut SplitMix64) -> (ElectrodeArrayOrder, Vec<AssayO
     (board, operations)
 }
 
-/// What is proven of all arrangements at once holds for the best of them, which is found by looking at each; that one's own proofs are
-/// held against brute force elsewhere.
+/// Bounds proven for all arrangements at once hold for the best of them, which is found by planning each. The proofs
+/// for single arrangements are compared with brute force elsewhere.
 #[test]
 fn bounds_of_many_arrangements_hold_for_the_best_of_them() {
     let mut random = SplitMix64::new(3);

@@ -1,14 +1,14 @@
 //! Agents that step aside while they wait.
 //!
-//! Who waits for others, lets them take their turn, or has done all it has to do stays where it did its last errand. Where it keeps just these
-//! from their stops there, no list leads to a plan.
+//! An agent that is waiting, yielding or finished stays where its last errand ended. If it blocks another agent's stop
+//! there, no order of the list yields a plan.
 //!
-//! Method: each agent that would stay near where others have something to do is given one more errand, of no step, at the nearest cell that
-//! is in nobody's way, and another one, to come back, where it is to end. So is who would be done too soon
-//! for a time lag where it stands: it stays when it comes back. Who merges goes to where it does so only once the other one has done what
-//! it does near there. With traces, who does harm at a stop comes there after those to whom it would.
-//! Where lists with these errands lead to no plan either, chance gives some agents a first errand anywhere, and the list its order.
-//! Guaranteed: courses with such errands do all others, too.
+//! Method: each agent that would stay near a cell that others need gets an extra errand of zero steps at the nearest
+//! cell that nobody else needs; at the end, it gets another one to come back. The same holds for an agent that would be
+//! done too soon for a time lag where it stands: it stays when it comes back. Before a merge, an agent goes to the stop
+//! only once the other one has finished its errands near there. With traces, an agent that contaminates a stop comes
+//! there after those whom it would contaminate. Where lists with these errands yield no plan either, random agents get
+//! a random first errand, and the list is random. Guaranteed: courses with such errands do all original errands too.
 
 use super::bound::{self, AssayBounds};
 use super::replay::cut_where_gone;
@@ -21,31 +21,32 @@ use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use std::collections::VecDeque;
 
-/// In assays of more errands nobody steps aside: all pairs of errands are looked at.
+/// Most errands of an assay in which agents step aside: all pairs of errands are considered.
 const MAX_ERRANDS: usize = 2_000;
 
-/// One part in this many of the remaining budget for each kind of lists with such errands: the search of all positions has the rest.
+/// 1/N of the remaining budget for lists with extra errands, without and with a return at the end; the joint search
+/// gets the rest.
 const SHARE: u64 = 3;
 
-/// Most agents of an assay whose plan is looked for by chance,
+/// Most agents for which random lists are tried.
 const MAX_AGENTS_BY_CHANCE: usize = 64;
 
-/// how often,
+/// Random lists tried while there is no plan.
 const TRIES_BY_CHANCE: usize = 10_000;
 
-/// how often at most once there is a plan,
+/// Random lists tried once there is a plan.
 const MORE_TRIES: usize = 40;
 
-/// with these steps of the budget for each errand, which has its bounds anew,
+/// Budget steps charged per errand for each random list, since its bounds are computed anew.
 const STEPS_PER_ERRAND: u64 = 20;
 
-/// and one agent in this many goes somewhere else first.
+/// One agent in N gets a random first errand.
 const DETOURS_IN: usize = 3;
 
-/// Seed of what chance decides.
+/// Random seed.
 const SEED: u64 = 1;
 
-/// Courses by lists in which agents step aside, if any would be in the way and such lists lead to a plan.
+/// Courses by lists in which agents step aside; `None` if no agent would be in the way or these lists yield no plan.
 pub(super) fn by_lists(
     problem: &AssayProblem,
     objective: BoardObjective,
@@ -56,7 +57,7 @@ pub(super) fn by_lists(
     if problem.errands.iter().map(Vec::len).sum::<usize>() > MAX_ERRANDS {
         return None;
     }
-    // Who goes away at the end and comes back moves more than most plans need.
+    // Leaving at the end and coming back takes more moves than most plans need.
     [false, true].into_iter().find_map(|come_back| {
         let aside = Some(StepsAside::of(problem, come_back)?.inserted(problem)).filter(can_be_ordered)?;
         let ahead = Ahead::new(&aside, distances, meter);
@@ -67,7 +68,8 @@ pub(super) fn by_lists(
     })
 }
 
-/// Courses by lists in random order in which some agents first go to some cell or other, out of the way of those that come before them.
+/// Courses by random lists in which some agents first move to a random cell, out of the way of agents that come before
+/// them.
 pub(super) fn by_chance(
     problem: &AssayProblem,
     objective: BoardObjective,
@@ -108,15 +110,15 @@ pub(super) fn by_chance(
     best
 }
 
-/// Courses with errands of their own as whoever replays them without these sees them: who leaves the board may come too soon to where it
-/// leaves, and an errand may be done on the way. `None` where lags or traces are not kept then.
+/// Courses with extra errands as a replay without these sees them: an agent that leaves the board may reach its exit
+/// too soon, and an errand may be done on the way. `None` if lags or traces are violated then.
 pub(super) fn as_replayed(problem: &AssayProblem, mut courses: Vec<AgentCourse>) -> Option<Vec<AgentCourse>> {
     cut_where_gone(problem, &mut courses);
     let is_clean = problem.traces.as_ref().is_none_or(|traces| traces.harmed(problem, &courses).is_none());
     (is_clean && lags::are_kept(problem, &courses)).then_some(courses)
 }
 
-/// Moves all places that are named as others' afters or in lags, where errands were inserted.
+/// Updates the errand indices of predecessors and lags after errands were inserted.
 fn move_places(problem: &mut AssayProblem, moved: impl Fn(&mut ErrandPlace)) {
     problem.afters.iter_mut().flatten().flatten().for_each(&moved);
     for lag in &mut problem.lags {
@@ -125,15 +127,15 @@ fn move_places(problem: &mut AssayProblem, moved: impl Fn(&mut ErrandPlace)) {
     }
 }
 
-/// Where agents step aside.
+/// The cells where agents step aside.
 struct StepsAside {
-    /// By agent and errand: where it goes before it, if it would wait for it in the way of others.
+    /// By agent and errand: the cell where it waits for the errand, if it would otherwise wait in the way of others.
     before: Vec<Vec<Option<CellIndex>>>,
-    /// By agent: where it goes after its last errand, before it comes back.
+    /// By agent: the cell where it goes after its last errand, before it comes back.
     after: Vec<Option<CellIndex>>,
 }
 
-/// Who has something to do near a cell.
+/// Agents that need a cell, since they have errands near it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum WantedBy {
     Nobody,
@@ -172,19 +174,19 @@ impl StepsAside {
         is_any.then_some(StepsAside { before, after })
     }
 
-    /// The problem with these errands among the others.
+    /// The problem with these errands inserted.
     fn inserted<'a>(&self, problem: &AssayProblem<'a>) -> AssayProblem<'a> {
         let mut aside = problem.clone();
         for place in problem.places() {
             aside.afters[place.agent][place.errand].extend(met_later(problem, place));
             if let Some(traces) = &problem.traces {
-                // Who is given off is there from then on: the other one must wait.
+                // A child is on the board from the split on, so the parent must wait.
                 let held = problem.given_off_by(place.agent).filter(|_| place.errand == 0).unwrap_or(place);
                 aside.afters[held.agent][held.errand].extend(harmed_later(problem, traces, place));
             }
         }
         for agent in 0..problem.errands.len() {
-            // From the last one on, so that the places before stay what they are.
+            // From the last one on, so that earlier indices stay valid.
             for (index, cell) in self.before[agent].iter().enumerate().rev() {
                 cell.iter().for_each(|cell| insert(&mut aside, ErrandPlace { agent, errand: index }, *cell));
             }
@@ -207,13 +209,13 @@ impl StepsAside {
 }
 
 impl WantedBy {
-    /// Whether nobody but an agent has something to do there.
+    /// Whether no agent other than `agent` needs the cell.
     fn no_other_than(self, agent: usize) -> bool {
         self == WantedBy::Nobody || self == WantedBy::One(agent)
     }
 }
 
-/// Gives an agent one more errand, of no step, before another one.
+/// Gives an agent an extra errand of zero steps before another one.
 fn insert(problem: &mut AssayProblem, ErrandPlace { agent, errand: index }: ErrandPlace, stop: CellIndex) {
     let errand = Errand { stop, stay: 0, meets: None, mixes: None, splits: None };
     problem.errands[agent].insert(index, errand);
@@ -229,7 +231,7 @@ fn insert(problem: &mut AssayProblem, ErrandPlace { agent, errand: index }: Erra
     }
 }
 
-/// Whether no errand waits for itself.
+/// Whether the order of the errands has no cycle.
 fn can_be_ordered(problem: &AssayProblem) -> bool {
     let mut done = vec![0; problem.errands.len()];
     let is_due = |done: &[usize], agent: usize| {
@@ -255,8 +257,8 @@ fn can_be_ordered(problem: &AssayProblem) -> bool {
     problem.errands.iter().zip(&done).all(|(errands, done)| errands.len() == *done)
 }
 
-/// The last errand near the stop of a merge that the other agent does before it: as long as that is not done, who waits at that stop keeps
-/// the other one from it.
+/// The last errand of the other agent near the stop of a merge, before that merge. Until it is done, an agent that
+/// waits at the stop blocks the other one from it.
 fn met_later(problem: &AssayProblem, place: ErrandPlace) -> Option<ErrandPlace> {
     let (instance, stop) = (problem.instance, problem.errands[place.agent][place.errand].stop);
     let ErrandPlace { agent, errand: met } = problem.partner(place)?;
@@ -265,7 +267,8 @@ fn met_later(problem: &AssayProblem, place: ErrandPlace) -> Option<ErrandPlace> 
     Some(ErrandPlace { agent, errand: (0..met).rev().find(is_near)? })
 }
 
-/// The errands of others at the stop of one that must be done before it, since its agent leaves there what harms them.
+/// The errands of others at the stop of an errand that must be done before it, since its agent leaves a trace that
+/// contaminates them.
 fn harmed_later(problem: &AssayProblem, traces: &Traces, place: ErrandPlace) -> Vec<ErrandPlace> {
     if traces.washes.contains(&true) {
         return Vec::new();
@@ -295,14 +298,15 @@ fn others(problem: &AssayProblem, agent: usize) -> impl Iterator<Item = ErrandPl
     problem.places().filter(move |place| place.agent != agent)
 }
 
-/// Whether others must follow an errand soon that begins at once where its agent stands, and that it can put off by leaving.
+/// Whether an errand that others must follow within a time limit begins at once where its agent stands, so that the
+/// agent can delay it only by leaving.
 fn begins_too_soon(problem: &AssayProblem, place: ErrandPlace) -> bool {
     let stays = problem.errands[place.agent][place.errand].stay > 0;
     stays && problem.lags.iter().any(|lag| lag.after.contains(&place)) && problem.held_back_by(place, 1).is_none()
 }
 
-/// Where an agent steps aside from a cell, if it would be in the way there, or leaves it by all means, and there is room: from then on that
-/// is its own.
+/// The cell to which an agent steps aside from `from`, if it would be in the way there or `leaves` in any case, and
+/// there is room. From then on it counts as needed by that agent.
 fn aside(
     problem: &AssayProblem,
     wanted: &mut [WantedBy],
@@ -315,7 +319,7 @@ fn aside(
     Some(cell)
 }
 
-/// By cell: who starts, comes, stays or is mixed near it.
+/// By cell: the agents that start, enter, stay or are mixed near it.
 fn wanted(problem: &AssayProblem) -> Vec<WantedBy> {
     let mut wanted = vec![WantedBy::Nobody; problem.instance.board.cells()];
     for (agent, errands) in problem.errands.iter().enumerate() {
@@ -328,7 +332,7 @@ fn wanted(problem: &AssayProblem) -> Vec<WantedBy> {
     wanted
 }
 
-/// Notes that an agent has something to do at a cell.
+/// Records that an agent needs the cells near a cell.
 fn want(problem: &AssayProblem, wanted: &mut [WantedBy], agent: usize, cell: CellIndex) {
     for near in problem.instance.board.around(cell, problem.instance.separation) {
         let by = &mut wanted[near as usize];
@@ -336,7 +340,7 @@ fn want(problem: &AssayProblem, wanted: &mut [WantedBy], agent: usize, cell: Cel
     }
 }
 
-/// The cell nearest to one at which an agent is in nobody's way: another one, if it leaves that.
+/// The nearest cell, from one on, that no other agent needs; not that one itself if the agent leaves it.
 fn nearest_unwanted(
     problem: &AssayProblem,
     wanted: &[WantedBy],

@@ -1,6 +1,7 @@
-//! Instants at which the courses of agents forbid the cells around them.
+//! Reservation table: the instants at which courses of agents forbid the cells around them.
 //!
-//! A position at instant `t` forbids the cells nearer than the separation at `t - 1`, `t` and `t + 1` ([`crate::plan::electrode_array::board`]).
+//! A position at instant `t` forbids the cells nearer than the separation at `t - 1`, `t` and `t + 1`
+//! ([`crate::plan::electrode_array::board`]).
 
 use super::AgentCourse;
 use super::traces::{Touch, Traces};
@@ -9,14 +10,14 @@ use crate::plan::electrode_array::board::{BoardGrid, CellIndex};
 /// The instant after all others.
 pub(super) const NEVER: u32 = u32::MAX;
 
-/// What an agent is doing while it forbids a cell.
+/// Activity of an agent while it forbids a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Doing {
-    /// Errands.
+    /// It does errands.
     Busy,
     /// It is on its way to the agent that it meets next.
     Approaching,
-    /// It has come to where they meet.
+    /// It waits at the stop where they meet.
     Waiting,
 }
 
@@ -34,7 +35,7 @@ struct Booking {
 struct CellBookings {
     /// In order of `from`.
     all: Vec<Booking>,
-    /// For each of them, the latest end of it and of all before it.
+    /// For each of them, the latest end among it and all before it.
     latest: Vec<u32>,
 }
 
@@ -48,7 +49,7 @@ impl CellBookings {
         later.take_while(|latest| **latest < booking.to).for_each(|latest| *latest = booking.to);
     }
 
-    /// Removes the bookings of an agent, which has none that begins before an instant.
+    /// Removes the bookings of an agent; none of them begins before `from`.
     fn remove(&mut self, agent: usize, from: u32) {
         let first = self.all.partition_point(|booking| booking.from < from);
         let mut kept = first;
@@ -67,7 +68,7 @@ impl CellBookings {
         }
     }
 
-    /// All that end after an instant, and some before.
+    /// All bookings that end after an instant, and some that end before.
     fn since(&self, instant: u32) -> &[Booking] {
         &self.all[self.latest.partition_point(|latest| *latest <= instant)..]
     }
@@ -84,13 +85,13 @@ pub(super) struct FreeSpan {
 #[derive(Debug, Clone, Default)]
 pub(super) struct BookedCourse {
     pub own: AgentCourse,
-    /// The instant from which on it only goes to the agent that it meets next.
+    /// The instant from which it only approaches the agent that it meets next.
     pub ready: Option<u32>,
     /// Whether it is gone after the last cell.
     pub is_gone: bool,
-    /// Whether another agent has given it off in the step before it is there.
+    /// Whether it splits off from another agent in the step before its first cell.
     pub is_split_off: bool,
-    /// The instants at which it is where it is pulled apart, in order.
+    /// The instants before its splits, in order: each split takes the step that follows.
     pub splits: Vec<u32>,
 }
 
@@ -101,37 +102,38 @@ pub(super) struct Bookings<'a> {
     separation: u32,
     /// By cell.
     bookings: Vec<CellBookings>,
-    /// By agent: the cells with a booking of it, in the order of these, some of them several times.
+    /// By agent: the cells that it books, in order of booking, possibly repeated.
     touched: Vec<Vec<CellIndex>>,
-    /// By agent.
+    /// By agent: the part of its bookings that longer courses do not change.
     firm: Vec<FirmPart>,
     traces: Option<&'a Traces>,
-    /// By cell, where traces matter: who comes there, in order of `from`; and by agent its cells.
+    /// By cell, where traces matter: its visits in order of `from`; and by agent, the cells that it visits.
     touches: Vec<Vec<Touch>>,
     trodden: Vec<Vec<CellIndex>>,
 }
 
-/// The part of an agent's bookings that no longer course changes: all before the last cell, and before it is ready for another.
+/// The part of an agent's bookings that longer courses do not change: all before the last cell, and before the agent is
+/// ready for a meeting.
 #[derive(Debug, Clone, Copy, Default)]
 struct FirmPart {
     /// Number of cells touched.
     touched: usize,
-    /// The instant at which it comes to the first cell that is not a part of it.
+    /// The instant at which it enters the first cell that does not belong to the part.
     until: u32,
 }
 
-/// Who asks where it may go.
+/// The view of an agent that looks for free cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asking<'q> {
-    /// It is in nobody's way but that of others.
+    /// Its own bookings do not block it.
     pub agent: usize,
-    /// Those that it has merged with.
+    /// Agents that it has merged with.
     pub past: &'q [usize],
-    /// Those that it meets, each with where.
+    /// Agents that it meets, each with the cell where it does.
     pub met: &'q [(usize, CellIndex)],
-    /// What it contains by then, where traces matter.
+    /// Its contents by then, where traces matter.
     pub content: Option<usize>,
-    /// What was before that instant is of no use to it.
+    /// Instants before this one do not matter to it.
     pub since: u32,
 }
 
@@ -149,7 +151,7 @@ impl Bookings<'_> {
         Bookings { board, separation, bookings, touched, firm, traces, touches, trodden }
     }
 
-    /// Removes what hinders an agent itself: its traces; its own bookings do not.
+    /// Removes what would block an agent itself before its next search: its traces. Its bookings do not.
     pub(super) fn lift(&mut self, agent: usize) {
         if self.traces.is_some() {
             self.clear(agent);
@@ -176,7 +178,7 @@ impl Bookings<'_> {
         }
     }
 
-    /// Keeps a cell for an agent without a course in the instants `from..to`; it touches the cell at `since`.
+    /// Reserves a cell for an agent without a course at the instants `from..to`; its trace begins and ends at `since`.
     pub(super) fn keep(&mut self, agent: usize, cell: CellIndex, since: u32, from: u32, to: u32) {
         self.clear(agent);
         self.book(agent, cell, from, to, Doing::Busy);
@@ -186,7 +188,7 @@ impl Bookings<'_> {
         }
     }
 
-    /// Notes the cells to which an agent comes, and with which contents.
+    /// Records the cells that an agent visits, with its contents.
     fn tread(&mut self, agent: usize, course: &AgentCourse, done_at: &[u32]) {
         let Some(traces) = self.traces else { return };
         for (cell, touch) in traces.touches(agent, course, done_at) {
@@ -214,15 +216,15 @@ impl Bookings<'_> {
         for next in from + 1..=course.own.until() {
             let (is_last, gets_ready) = (next == course.own.until(), next - 1 == ready);
             let cell = cells[(from - first) as usize];
-            // Positions on one cell are one booking, except where what the agent does changes.
+            // Consecutive positions on one cell are one booking, unless the agent's activity changes.
             if !is_last && cells[(next - first) as usize] == cell && !gets_ready {
                 continue;
             }
-            // What has just been dispensed was nowhere in the step before; what was given off then was on its way.
+            // A dispensed agent was on no cell in the step before; an agent that splits off was on its way then.
             let since = if from == first && !course.is_split_off { from } else { from.saturating_sub(1) };
             let until = next + 1;
-            // What is gone is nowhere in the step after its last instant. From where an agent is pulled apart two go on, whose
-            // own cells keep others away in that step.
+            // An agent that is gone occupies no cell in the step after its last instant. In the step of a split both
+            // halves move away; their new cells keep others away then.
             let is_split = course.splits.binary_search(&(until - 2)).is_ok();
             let to = match (is_last, course.is_gone) {
                 (true, true) => until - 1,
@@ -233,7 +235,7 @@ impl Bookings<'_> {
             match (from > ready, gets_ready) {
                 (true, _) if is_last => self.book(agent, cell, since, to, Doing::Waiting),
                 (true, _) => self.book(agent, cell, since, to, Doing::Approaching),
-                // Where it is when it gets ready counts for the next step as a part of its way.
+                // The position at which it gets ready counts as part of its approach in the next step.
                 (false, true) => {
                     let doing = if is_last { Doing::Waiting } else { Doing::Approaching };
                     self.book(agent, cell, since, until - 1, Doing::Busy);
@@ -242,7 +244,7 @@ impl Bookings<'_> {
                 (false, false) => self.book(agent, cell, since, to, Doing::Busy),
             }
             from = next;
-            // Who has just come may have been booked from the same instant on as on the next cell.
+            // The bookings of an agent's first two cells may begin at the same instant.
             if !is_last && from <= ready && from > first + 1 {
                 self.firm[agent] = FirmPart { touched: self.touched[agent].len(), until: from };
             }
@@ -256,7 +258,7 @@ impl Bookings<'_> {
         }
     }
 
-    /// Appends the free spans of a cell, in order; those that end before the instant that matters may be missing, or reach too far back.
+    /// Appends the free spans of a cell, in order. Spans that end before `since` may be missing or reach too far back.
     pub(super) fn free(&self, cell: CellIndex, asking: Asking, out: &mut Vec<FreeSpan>) {
         let Asking { agent, past, met, content, since } = asking;
         let is_met = |booking: &Booking| {
@@ -280,7 +282,7 @@ impl Bookings<'_> {
         between(closed.into_iter(), out);
     }
 
-    /// Whether what it contains, or what others do, does harm on a cell at an instant.
+    /// Whether a visit to a cell at an instant contaminates the agent or, later or at that instant, others.
     pub(super) fn does_harm(&self, cell: CellIndex, Asking { met, content, .. }: Asking, at: u32) -> bool {
         let Some((traces, content)) = self.traces.zip(content) else { return false };
         let mut closed = Vec::new();
@@ -288,7 +290,7 @@ impl Bookings<'_> {
         closed.iter().any(|(from, to)| (*from..*to).contains(&at))
     }
 
-    /// Appends the instants `from..to` at which a content does harm on a cell.
+    /// Appends the instants `from..to` at which a content may not be on a cell because of traces.
     fn append_closed(
         &self,
         cell: CellIndex,
@@ -301,8 +303,8 @@ impl Bookings<'_> {
         let is_other = |touch: &&Touch| !met.contains(&(touch.agent, cell));
         let touches: Vec<Touch> = here.iter().filter(is_other).copied().collect();
         traces.append_closed(&touches, content, closed);
-        // Where it merges it comes to the other one, not to what that has left; but what that left there before it came back does harm
-        // until then.
+        // At a meeting, the agent comes to the other one itself, not to the trace that it has just left. But a trace
+        // that the other one left there before it came back contaminates until then.
         for (other, _) in met.iter().filter(|(_, at)| *at == cell) {
             let Some(back) = here.iter().rfind(|touch| touch.agent == *other) else { continue };
             let is_before =
@@ -315,7 +317,7 @@ impl Bookings<'_> {
     }
 }
 
-/// Appends what lies between spans `from..to`, which are in order of `from`.
+/// Appends the gaps between spans `from..to`, which are in order of `from`.
 fn between(closed: impl Iterator<Item = (u32, u32)>, out: &mut Vec<FreeSpan>) {
     let mut free = 0;
     for (from, to) in closed {

@@ -1,31 +1,32 @@
 //! Lower bounds on every plan of an assay.
 //!
-//! Three of them. Each errand ends no earlier than its agent alone could have done it, and those that meet wait for one another (the
-//! critical path). Agents that stay at one stop take turns: between two of them lie the steps in which the first moves out of the way.
-//! So do those that are moved round a loop in which two are always in each other's way before the round is over, also with those that
-//! stay at its corner for as long as that. And of several stops whose agents come at few places, one has to wait for its first.
+//! There are three. Critical path: each errand ends no earlier than its agent alone could have done it, and agents that
+//! meet wait for one another. Turns: agents that stay at one stop take turns, and between two of them lie the steps in
+//! which the first makes room. The same holds for agents in a mixing loop in which any two block each other before a
+//! round is over, and for agents that stay at its corner for a whole round. First arrivals: of several stops whose
+//! agents enter the board at few places, one has to wait for its first agent.
 
 use super::route::Ahead;
 use super::{AssayProblem, Errand, ErrandPlace};
 use crate::plan::electrode_array::board::{BoardCosts, BoardGrid, CellIndex};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// An errand with its earliest start and end, and the least time from its end to the end of the assay.
+/// An errand with its earliest start, and the least time from its end to the end of the assay.
 #[derive(Debug, Clone, Copy)]
 struct TimedErrand {
     errand: Errand,
-    /// Its agent's first instant at the stop, if nothing stands in the way,
+    /// Its agent's earliest arrival at the stop, if nothing blocks the way.
     arrival: u64,
-    /// and the first at which the one that it meets there can be there too.
+    /// Its earliest start: the agent that it meets is there too, and its predecessors are done.
     head: u64,
     tail: u64,
 }
 
-/// What holds for every plan.
+/// Lower bounds on every plan.
 pub(super) struct AssayBounds {
-    /// Lower bounds of the steps and of the sum of costs.
+    /// Lower bounds on the makespan and the sum of costs.
     pub costs: BoardCosts,
-    /// By agent and errand: least steps from the end of it to the end of all that must come after it.
+    /// By agent and errand: least steps from its end to the end of everything that must follow.
     pub after: Vec<Vec<u32>>,
     /// By agent and errand: the earliest instant at which it can begin.
     pub heads: Vec<Vec<u32>>,
@@ -57,14 +58,14 @@ pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> AssayBounds {
     AssayBounds { costs, after: each(&|one| one.tail), heads: each(&|one| one.head) }
 }
 
-/// The earliest start of each errand, with those that meet at the same instant.
+/// The errands with their earliest starts; errands in which two agents meet start at the same instant.
 fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
     let agents = &problem.instance.agents;
     let mut arrivals: Vec<Vec<u64>> = vec![Vec::new(); agents.len()];
     let mut heads = arrivals.clone();
     let changes = changes(problem);
     let way = |agent: usize, index: usize| way(problem, ahead, agent, index);
-    // An agent waits for the other where they meet; every round completes at least one errand.
+    // Agents that meet wait for each other; every round completes at least one errand.
     let mut order: Vec<(usize, usize)> = Vec::new();
     loop {
         let before = order.len();
@@ -80,7 +81,7 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
                 let mut head = arrival.max(begins);
                 if let Some(other) = problem.errands[agent][index].meets {
                     let partner = problem.partner(ErrandPlace { agent, errand: index });
-                    // Known once all before it are timed.
+                    // Its earliest start is known once all its previous errands are timed.
                     let theirs = partner.map(|place| place.errand).filter(|place| heads[other].len() >= *place);
                     let Some(theirs) = theirs else { break };
                     let Some(comes) = given_off(problem, other, &heads) else { break };
@@ -112,7 +113,7 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
     (0..agents.len()).map(of).collect()
 }
 
-/// The earliest instant at which all is done that an errand comes after; `None` while that is not known.
+/// The earliest instant at which all predecessors of an errand are done; `None` while it is not known.
 fn begins(
     problem: &AssayProblem,
     agent: usize,
@@ -128,8 +129,8 @@ fn begins(
     before.try_fold(0, |last, (before, change)| Some(last.max(done(before)? + change)))
 }
 
-/// By agent and errand, for each errand that it comes after, the least steps from the end of that one to its beginning: who is done at the
-/// stop of the next one has to make room.
+/// By agent, errand and predecessor: least steps from the end of the predecessor to the beginning of the errand. If
+/// both have the same stop, the first agent must make room.
 type ErrandChanges = Vec<Vec<Vec<u64>>>;
 
 fn changes(problem: &AssayProblem) -> ErrandChanges {
@@ -153,14 +154,14 @@ fn changes(problem: &AssayProblem) -> ErrandChanges {
     problem.afters.iter().enumerate().map(of_agent).collect()
 }
 
-/// Least steps of an agent to the stop of an errand from that of the one before.
+/// Least steps of an agent from the stop of its previous errand to that of an errand.
 fn way(problem: &AssayProblem, ahead: &Ahead, agent: usize, index: usize) -> u64 {
     let before = index.checked_sub(1).map(|before| problem.errands[agent][before].stop);
     u64::from(ahead.steps(agent, index, before.unwrap_or(problem.instance.agents[agent].start)))
 }
 
-/// Least steps from the end of each errand to the end of all that must come after it. `order` has them by their earliest starts, so that
-/// one round is mostly enough: what comes later is rarely listed before.
+/// Least steps from the end of each errand to the end of everything that must follow. `order` has the errands by their
+/// earliest starts, so that one round is mostly enough: a successor is rarely listed before its predecessor.
 fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)], changes: &ErrandChanges) -> Vec<Vec<u64>> {
     let mut tails: Vec<Vec<u64>> = problem.errands.iter().map(|errands| vec![0; errands.len()]).collect();
     let way = |agent: usize, index: usize| way(problem, ahead, agent, index);
@@ -171,14 +172,14 @@ fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)], change
             let own = errands
                 .get(index + 1)
                 .map(|next| way(agent, index + 1) + u64::from(next.stay) + tails[agent][index + 1]);
-            // What is gone lives on in the other.
+            // An agent that has merged continues in the other one.
             let is_gone = problem.is_gone[agent] && index + 1 == errands.len();
             let others = problem.partner(ErrandPlace { agent, errand: index }).filter(|_| is_gone);
             let lives_on = others.and_then(|ErrandPlace { agent: other, errand: place }| {
                 let next = problem.errands[other].get(place + 1)?;
                 Some(way(other, place + 1) + u64::from(next.stay) + tails[other][place + 1])
             });
-            // What it gives off has its own errands from then on.
+            // A child has errands of its own from then on.
             let child = errands[index].splits.map(|split| split.child);
             let lives_apart = child.map(|child| u64::from(problem.errands[child][0].stay) + tails[child][0]);
             let tail = own.max(lives_on).max(lives_apart).unwrap_or(0);
@@ -197,7 +198,8 @@ fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)], change
     tails
 }
 
-/// The first instant at which an agent can be there: 0, or when another one gives it off; `None` while that is not known.
+/// The first instant at which an agent can be on the board: 0, or that of the split from which it comes; `None` while
+/// it is not known.
 fn given_off(problem: &AssayProblem, agent: usize, heads: &[Vec<u64>]) -> Option<u64> {
     match problem.given_off_by(agent) {
         Some(place) => heads[place.agent].get(place.errand).copied(),
@@ -205,27 +207,28 @@ fn given_off(problem: &AssayProblem, agent: usize, heads: &[Vec<u64>]) -> Option
     }
 }
 
-/// Where agents take turns.
+/// A place where agents take turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct TurnPlace {
     stop: CellIndex,
-    /// Whether it is the corner of a loop without room for two, for those that are moved round it or stay there for a whole round: who
-    /// stays for less may do so while another one is at the far end.
+    /// Whether it is the corner of a loop without room for two, taken by agents that are mixed in it or stay there for
+    /// a whole round. A shorter stay is possible while another agent is at the far end.
     is_loop: bool,
 }
 
-/// Whether two agents can be in a loop at the same time.
+/// Number of agents that can be in a mixing loop at the same time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoopRoom {
-    /// All of its cells are as near to each other as if it were one.
+    /// One agent: all cells of the loop are closer to each other than the separation, as if it were one cell.
     Cell,
-    /// Whenever one begins, it gets in the way of the other before that one is back at the corner.
+    /// One agent: whenever a second one begins, the two come too near to each other before the first is back at the
+    /// corner.
     One,
     Two,
 }
 
 impl LoopRoom {
-    /// By the cells of the loop, from the corner on.
+    /// The room of a loop, given by its cells from the corner on.
     pub fn of(board: &BoardGrid, separation: u32, around: &[CellIndex]) -> LoopRoom {
         let cells = around.len();
         let keep_apart = |one: usize, other: usize| {
@@ -235,7 +238,7 @@ impl LoopRoom {
         if !(0..cells).any(|one| (0..cells).any(|other| keep_apart(one, other))) {
             return LoopRoom::Cell;
         }
-        // One begins, and the other is some cells ahead of it: until that one ends, both go on.
+        // One agent begins while the other is `ahead` cells further on; until the other one ends, both move on.
         let is_clear = |ahead: usize| {
             let steps = 0..cells - ahead;
             let mut ways = steps.flat_map(|step| [(step, step + ahead + 1), (step + 1, step + ahead)]);
@@ -245,8 +248,8 @@ impl LoopRoom {
         if (1..cells).any(is_clear) { LoopRoom::Two } else { LoopRoom::One }
     }
 
-    /// What is taken for a stay, or for being mixed in a loop with this room: the stop, and the loop from there on. Who stays takes a loop
-    /// without room for two where the stay fills a round.
+    /// Whether a stay, or mixing in a loop with this room, takes the stop, and whether it takes the loop from there on.
+    /// A stay takes a loop without room for two if it lasts a whole round.
     pub fn taken(mixes: Option<LoopRoom>, fills_loop: impl FnOnce() -> bool) -> (bool, bool) {
         match mixes {
             None => (true, fills_loop()),
@@ -258,7 +261,7 @@ impl LoopRoom {
 }
 
 impl TurnPlace {
-    /// Where an errand takes turns with others; nowhere if it need not.
+    /// The places where an errand takes turns with others; none if it need not.
     fn all(problem: &AssayProblem, errand: &Errand, rooms: &[LoopRoom]) -> impl Iterator<Item = TurnPlace> + use<> {
         let fills = |around: &Vec<CellIndex>| around[0] == errand.stop && errand.stay as usize >= around.len();
         let fills_loop =
@@ -272,10 +275,11 @@ impl TurnPlace {
     }
 }
 
-/// Agents that stay at one stop take turns: for each set of those that can begin no earlier than one of them, the earliest start of the
-/// first, all stays with the changes between them, and the shortest way of the last to the end; first and last are two, where there are
-/// two. Agents that merge, with each other or with a third, may follow each other as one and without a change; `drops` has one number
-/// for all of them. What leaves the board at the stop need not move out of the way.
+/// Lower bound from agents that take turns at a place. For each set of stays that can begin no earlier than one of
+/// them: the earliest start of the first, all stays with the changeovers between them, and the least time from the end
+/// of the last to the end of the assay; first and last differ if there are two. Agents that merge, with each other or
+/// with a third, may follow each other as one and without a changeover; they have the same number in `drops`. An agent
+/// that leaves the board at the stop need not make room.
 fn in_turns(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErrand)], drops: &[usize]) -> u64 {
     let change = change(problem, place.stop);
     let set_from = |least: u64| {
@@ -285,7 +289,7 @@ fn in_turns(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErra
     stays.iter().map(|(_, one)| set_from(one.head)).max().unwrap_or(0)
 }
 
-/// Least steps until all is done, for agents that stay at one stop, each from its own head on.
+/// Least steps until everything is done, for agents that stay at one stop in turn, each from its own earliest start on.
 fn one_after_another(of: &[(usize, TimedErrand)], head: impl Fn(usize) -> u64, drops: &[usize], change: u64) -> u64 {
     let all: u64 = of.iter().map(|(_, one)| u64::from(one.errand.stay)).sum();
     let apart: BTreeSet<usize> = of.iter().map(|(agent, _)| drops[*agent]).collect();
@@ -297,7 +301,7 @@ fn one_after_another(of: &[(usize, TimedErrand)], head: impl Fn(usize) -> u64, d
     around + all + change * (apart.len() as u64).saturating_sub(1)
 }
 
-/// Steps between the stays of two agents at a stop.
+/// Changeover: least steps between the stays of two agents at a stop.
 fn change(problem: &AssayProblem, stop: CellIndex) -> u64 {
     let exit = |(errands, is_gone): (&Vec<Errand>, &bool)| {
         let last = errands.last().filter(|last| *is_gone && last.meets.is_none())?;
@@ -309,20 +313,20 @@ fn change(problem: &AssayProblem, stop: CellIndex) -> u64 {
     steps_between(problem.instance.separation, nearest, comes)
 }
 
-/// Least steps between the stays of two agents at a stop, by the steps from there to the nearest cell at which any leave the board, and
-/// whether any come at the stop.
+/// Least steps between the stays of two agents at a stop. `exit` are the steps from there to the nearest cell where an
+/// agent leaves the board; `comes` is whether agents enter at the stop.
 pub fn steps_between(separation: u32, exit: Option<u32>, comes: bool) -> u64 {
     match (exit, comes) {
-        // One is gone at the instant at which the other comes.
+        // One agent may be gone at the instant at which the other enters.
         (Some(steps), true) => u64::from(steps.min(separation)),
         (Some(0), false) | (None, true) => u64::from(separation),
         (_, false) => u64::from(separation) + 1,
     }
 }
 
-/// As [`in_turns`], for the agents that come at a stop: each needs it for itself, whatever it merges with later.
+/// As [`in_turns`], for the agents that enter at a stop: each needs it alone, whatever it merges with later.
 fn comings(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErrand)]) -> u64 {
-    // Nobody is moved round a loop before it is all there.
+    // No agent is mixed before it has entered.
     if place.is_loop {
         return 0;
     }
@@ -337,9 +341,10 @@ fn comings(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErran
     in_turns(problem, place, &own, &apart)
 }
 
-/// Stops whose agents all come, at few places: the first agents of `m` stops come at `n` places, so that one of them is the `m / n`th that
-/// comes at its place, rounded up, and its stop is idle until then. Of each set of places the stops that need no others are taken, those
-/// that take longest first; no agent stays at two of them.
+/// Lower bound from stops all of whose agents enter the board, at few places. If the first agents of `m` stops enter at
+/// `n` places, one of them is the `m / n`th (rounded up) that enters at its place, and its stop is idle until then. For
+/// each set of places, the stops that need no other places are counted, those that take longest first; no agent stays
+/// at two of them.
 fn firsts(
     problem: &AssayProblem,
     ahead: &Ahead,
@@ -349,7 +354,7 @@ fn firsts(
     let start = |agent: usize| problem.instance.agents[agent].start;
     let mut stops: Vec<ServedStop> = Vec::new();
     for (place, stays) in stays {
-        // Coming is no stay that an agent must come for first.
+        // Entering is no stay that an agent must first travel to.
         if stays.iter().all(|(agent, _)| problem.comes[*agent] && start(*agent) != place.stop) {
             let head = |nth: usize| alone(problem, ahead, stays[nth].0, place.stop);
             let steps = one_after_another(stays, head, drops, change(problem, place.stop));
@@ -375,12 +380,12 @@ fn firsts(
     most
 }
 
-/// A stop with the agents that stay there, which all come.
+/// A stop whose agents all enter the board.
 struct ServedStop {
-    /// Least steps until all is done, from the instant on at which the first of them comes.
+    /// Least steps until everything is done, from the instant at which the first agent enters.
     steps: u64,
     agents: BTreeSet<usize>,
-    /// Where they come.
+    /// The cells where they enter.
     from: BTreeSet<CellIndex>,
 }
 
@@ -398,7 +403,8 @@ fn alone(problem: &AssayProblem, ahead: &Ahead, agent: usize, stop: CellIndex) -
     steps
 }
 
-/// For each agent a number that it has in common with those with which it ever merges, and those that it gives off, directly or by others.
+/// For each agent the number of its droplet: agents that merge or split, directly or through others, have the same
+/// number.
 pub(super) fn drops(problem: &AssayProblem) -> Vec<usize> {
     let joined = problem.errands.iter().enumerate().flat_map(|(agent, errands)| {
         let given_off = errands.iter().filter_map(|errand| errand.splits).map(|split| split.child);
@@ -407,7 +413,7 @@ pub(super) fn drops(problem: &AssayProblem) -> Vec<usize> {
     families(problem.errands.len(), joined)
 }
 
-/// For each of some things a number that it has in common with those that it is joined with, directly or by others.
+/// Connected components: for each of `count` items, the least index in its component.
 pub fn families(count: usize, joined: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
     let mut heads: Vec<usize> = (0..count).collect();
     let head = |heads: &[usize], mut one: usize| {
@@ -423,7 +429,7 @@ pub fn families(count: usize, joined: impl Iterator<Item = (usize, usize)>) -> V
     (0..count).map(|one| head(&heads, one)).collect()
 }
 
-/// The earliest instant of an agent's last arrival: stays at the end count no more.
+/// The earliest instant of an agent's last move; a stay at the end does not count.
 fn last_arrival(problem: &AssayProblem, agent: usize, errands: &[TimedErrand]) -> u64 {
     let start = problem.instance.agents[agent].start;
     let Some(last) = errands.last() else { return 0 };

@@ -1,4 +1,4 @@
-//! Whether courses that were made without regard to shared channels keep their rule.
+//! Checks courses that ignore shared channels against their rule.
 
 use super::{AgentCourse, AssayProblem};
 use crate::plan::electrode_array::channels::broadcast::{AgentStep, PulledStep};
@@ -13,7 +13,8 @@ pub fn are_kept_by_courses(problem: &AssayProblem, courses: &[AgentCourse]) -> b
     })
 }
 
-/// The step of an agent from an instant on, with what pulls its other half; `None` if it is not there.
+/// The step of an agent from an instant on, with the cell to which its other half is pulled if it splits; `None` if it
+/// is not on the board.
 fn step_of(problem: &AssayProblem, courses: &[AgentCourse], agent: usize, instant: u32) -> Option<PulledStep> {
     let course = &courses[agent];
     let to = course.at(instant + 1)?;

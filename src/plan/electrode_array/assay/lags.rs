@@ -1,10 +1,11 @@
-//! Errands that must not be done too long after others: maximal time lags.
+//! Maximal time lags: errands that must not be done too long after others.
 //!
-//! Method: lists that ignore the lags (`lists`). Where their plan breaks one, what comes first is held back by as much as the other is too
-//! late, and the lists are tried again: it is late since it waits for a cell, an agent or other errands, which do not wait for the first.
+//! Method: lists that ignore the lags (`lists`). Where their plan breaks a lag, the earlier errand is held back by the
+//! excess, and the lists are tried again. This helps because the later errand is late since it waits for a cell, an
+//! agent or other errands, which do not depend on the earlier one.
 //!
-//! Guaranteed: plans keep all lags. Bounds of plans without the lags hold for those with them. Where no such lists are found, the search of
-//! all positions (`joint`) knows the lags.
+//! Guaranteed: plans keep all lags. Lower bounds without lags hold with them too. Where no such lists are found, the
+//! joint search (`joint`) respects the lags.
 
 use super::bound::AssayBounds;
 use super::replay::done_by;
@@ -14,11 +15,11 @@ use crate::plan::electrode_array::board::BoardObjective;
 use crate::plan::electrode_array::fast::UNREACHABLE;
 use crate::plan::search::Meter;
 
-/// How often what comes first is held back, and one part in this many of the remaining budget for all of that.
+/// Rounds of holding errands back, and 1/N of the remaining budget for all of them.
 const ROUNDS: usize = 24;
 const HELD_SHARE: u64 = 2;
 
-/// Courses that keep all lags, if lists lead to such.
+/// Courses that keep all lags, if lists yield them.
 pub(super) fn by_lists(
     problem: &AssayProblem,
     ahead: &Ahead,
@@ -36,7 +37,7 @@ pub(super) fn by_lists(
     meter.share(share, |meter| held_back(&mut held, ahead, objective, bounds, first, meter))
 }
 
-/// Holds back what comes too early, until the courses of the best lists keep all lags.
+/// Holds back errands that are done too early, until the courses of the best lists keep all lags.
 fn held_back(
     held: &mut AssayProblem,
     ahead: &Ahead,
@@ -64,7 +65,7 @@ pub fn are_kept(problem: &AssayProblem, courses: &[AgentCourse]) -> bool {
     late(problem, courses).is_empty()
 }
 
-/// The errands that come too early before another, each with the instant at which it should begin instead.
+/// The errands that are done too early before another one, each with the instant at which it should begin instead.
 fn late(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<(ErrandPlace, u32)> {
     if problem.lags.is_empty() {
         return Vec::new();
@@ -80,13 +81,13 @@ fn late(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<(ErrandPlace, u3
     problem.lags.iter().filter_map(of_lag).collect()
 }
 
-/// An errand to which its agent cannot come from an earlier one in time, even alone. The earlier one is what the later one must follow
-/// soon, or itself comes after that.
+/// An errand that its agent cannot reach in time, even alone, from an earlier one. The earlier one is a predecessor in
+/// the lag, or comes after all of these.
 pub(super) fn hopeless(problem: &AssayProblem, ahead: &Ahead) -> Option<ErrandPlace> {
     let is_far = |lag: &&ErrandLag| {
         let ErrandPlace { agent, errand: last } = lag.of;
         let errands = &problem.errands[agent];
-        // The steps from the end of an errand on until the agent is where the last one is, and begins that.
+        // Steps from the end of an errand until the agent begins the last one at its stop.
         let steps_from = |first: usize| {
             let way = |index: usize| match ahead.steps(agent, index, errands[index - 1].stop) {
                 UNREACHABLE => 0,
@@ -95,10 +96,10 @@ pub(super) fn hopeless(problem: &AssayProblem, ahead: &Ahead) -> Option<ErrandPl
             let ways = (first + 1..=last).map(way);
             ways.chain(errands[first + 1..last].iter().map(|errand| errand.stay)).fold(0u32, u32::saturating_add)
         };
-        // What others do may end later, near to its time.
+        // Predecessors done by other agents may end later, close to this errand.
         let is_alone = lag.after.iter().all(|place| place.agent == agent && place.errand < last);
         let own = is_alone.then(|| lag.after.iter().map(|place| steps_from(place.errand)).min()).flatten();
-        // An errand before the last one that comes after all that, and so begins no sooner than that is done.
+        // An own earlier errand that comes after all predecessors of the lag begins no sooner than they are done.
         let afters = &problem.afters[agent];
         let waits = |index: &usize| lag.after.iter().all(|place| afters[*index].contains(place));
         let behind = (0..last).filter(waits).map(|index| steps_from(index).saturating_add(errands[index].work())).max();

@@ -1,10 +1,11 @@
-//! Lists of agents in the order in which their courses are planned.
+//! List scheduling: courses of the agents are planned in the order of a list.
 //!
-//! Method: an agent's course goes on until its last errand, or until it waits for an agent that comes later in the list. The first
-//! list begins with the agent whose errands take longest; others have the order of schedules on paper, in which nobody is in another's way.
-//! Where an agent finds no course, it and those that meet on the way to it come first in the next list. Once there is a plan, its list is
-//! changed: one agent goes to another place, or all agents of one droplet, every other time of one that is done last, go further to the front. The new list is kept if it is no worse. The agents of a
-//! first list also take their turns by time ([`TurnOrder`]): of both plans the better one counts. Of many agents that is mostly the only one.
+//! An agent's course goes on until its last errand, or until it waits for an agent that comes later in the list. The
+//! first list begins with the agent whose errands take longest; others follow schedules that ignore conflicts. An agent
+//! that finds no course moves to the front of the next list, with the agents that it meets. Once there is a plan, local
+//! search changes its list: one agent moves to another place, or all agents of one droplet (every other time, of one
+//! that is done last) move forward. The new list is kept if it is no worse. The agents of a first list also take turns
+//! by time ([`TurnOrder`]), and the better plan counts. With many agents that is mostly the only plan.
 
 use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::bound::AssayBounds;
@@ -18,34 +19,34 @@ use rustc_hash::FxHashSet;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-/// Lists that are tried until there is a plan, and then without a better one.
+/// Most lists tried until there is a plan, and then without an improvement.
 const LISTS: usize = 200;
 
-/// First lists, as long as there is no plan, in which no agent lets others take their turn before it has to wait.
+/// First lists tried without pauses, that is, where no agent yields its turn before it has to wait.
 const LISTS_WITHOUT_PAUSE: usize = 100;
 
-/// Lists with such pauses where an agent gives off several others.
+/// Lists tried with pauses if an agent has several splits.
 const PAUSED_LISTS: usize = 4;
 
-/// Searches for better lists, of which the best one counts.
+/// Rounds of local search; the best result counts.
 const ROUNDS: usize = 4;
 
-/// Most agents whose lists are gone through eagerly at first, and whose courses cost nothing but their search.
+/// Most agents for which eager lists come first and only the search for courses is charged.
 const MAX_EAGER: usize = 64;
 
-/// Steps of the budget for each instant of a course in lists of more agents, of which keeping the courses takes most of the time.
+/// Budget steps charged per instant of a course with more agents, where keeping the courses takes most of the time.
 const STEPS_PER_INSTANT: u64 = 8;
 
-/// Seed of the changes.
+/// Random seed of the changes.
 const SEED: u64 = 1;
 
-/// For how many instants, in separations, the start of an agent without a course is kept for it: the lists take turns with them.
+/// Reservation time of an unplanned agent's start, in instants per unit of separation; lists alternate between these.
 const KEPT_SEPARATIONS: [u32; 3] = [6, 1, NEVER];
 
-/// Steps of the search of one course,
+/// Budget of the search for one course, in steps.
 const COURSE_STEPS: u64 = 20_000;
 
-/// plus this many for each cell of the board and errand of the agent.
+/// Added to that budget for each cell of the board and errand of the agent.
 const STEPS_PER_CELL: u64 = 4;
 
 /// The best courses found.
@@ -63,10 +64,10 @@ pub(super) fn best(
     let mut random = SplitMix64::new(SEED);
     let is_crowd = list.len() > MAX_EAGER;
     let early = if is_crowd { first_patient(&mut planner, &list) } else { None };
-    // Of many agents an eager list fails late.
+    // With many agents, an eager list fails late.
     let tries = if early.is_some() { 1 } else { LISTS };
     let eager = first_eager(&mut planner, list.clone(), 0..tries, &mut random);
-    // As long as those that are given off have no course, who gives them off keeps far away from where they come.
+    // A parent keeps far from its children's starts as long as these have no course; with pauses they get one sooner.
     let pausing = LISTS_WITHOUT_PAUSE..LISTS_WITHOUT_PAUSE + PAUSED_LISTS;
     let has_pauses = planner.gives_off_several();
     let paused = has_pauses.then(|| first_eager(&mut planner, list.clone(), pausing, &mut random)).flatten();
@@ -84,7 +85,7 @@ pub(super) fn best(
     best.into_iter().chain(patient).min_by_key(|courses| key(courses))
 }
 
-/// The best courses found from lists in a random order on.
+/// The best courses found from a random first list.
 pub(super) fn by_chance(
     problem: &AssayProblem,
     ahead: &Ahead,
@@ -101,14 +102,14 @@ pub(super) fn by_chance(
     Improvement { firsts: vec![first], objective, least: bounds.costs }.best(&mut planner, &mut random)
 }
 
-/// A list that leads to a plan.
+/// A list that yields a plan.
 struct FirstList {
     courses: Vec<AgentCourse>,
     list: Vec<usize>,
     terms: ListTerms,
 }
 
-/// The first of some lists that leads to a plan; where one does not, those that kept an agent from its course are changed.
+/// Tries lists until one yields a plan; after a failure, the agents that blocked a course move to the front.
 fn first_eager(
     planner: &mut ListPlanner,
     mut list: Vec<usize>,
@@ -132,7 +133,7 @@ fn first_eager(
                 first.extend(problem.errands[failed].iter().filter_map(|errand| errand.meets));
                 first.extend(problem.parents[failed]);
                 first.dedup();
-                // The same order again and again would fail again.
+                // Repeating the same order would fail again.
                 if nth % 2 == 1 {
                     list = moved(&list, random);
                 }
@@ -144,7 +145,8 @@ fn first_eager(
     None
 }
 
-/// The list in the order of a schedule on paper, and courses in which no errand begins before it does there.
+/// The list in the order of a schedule that ignores conflicts, and courses in which no errand begins earlier than in
+/// that schedule.
 fn first_on_paper(planner: &mut ListPlanner, paper: &[Vec<u32>]) -> (Option<FirstList>, Option<Vec<AgentCourse>>) {
     let (problem, ahead, bounds) = (planner.problem, planner.ahead, planner.bounds);
     let mut on_paper = AssayProblem { releases: problem.unheld(), ..problem.clone() };
@@ -170,7 +172,7 @@ fn first_on_paper(planner: &mut ListPlanner, paper: &[Vec<u32>]) -> (Option<Firs
     (eager, patient)
 }
 
-/// The courses of a list whose agents take their turns by time. Other lists hardly change them.
+/// The courses of a list whose agents take their turns by time. The order of the list hardly changes them.
 fn first_patient(planner: &mut ListPlanner, list: &[usize]) -> Option<Vec<AgentCourse>> {
     KEPT_SEPARATIONS.iter().find_map(|kept_separations| {
         let terms = ListTerms { kept_separations: *kept_separations, turns: TurnOrder::Patient, pauses: false };
@@ -178,17 +180,17 @@ fn first_patient(planner: &mut ListPlanner, list: &[usize]) -> Option<Vec<AgentC
     })
 }
 
-/// Better lists than some first ones.
+/// Local search for better lists.
 struct Improvement {
     /// The best one first.
     firsts: Vec<FirstList>,
     objective: BoardObjective,
-    /// No plan is below them.
+    /// Lower bounds on every plan.
     least: BoardCosts,
 }
 
 impl Improvement {
-    /// The best courses of several rounds, each from one of the first lists on, in turn; none where there are none.
+    /// The best courses of several rounds, which start from the first lists in turn; `None` if there is no first list.
     fn best(self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Option<Vec<AgentCourse>> {
         let mut best = self.firsts.first()?.courses.clone();
         let costs = AssayPlan::costs(&best);
@@ -213,7 +215,7 @@ impl Improvement {
         AssayPlan::costs(courses).key(self.objective)
     }
 
-    /// The courses of the last list of which no change is better.
+    /// One round: changes the list until no change has improved it for a while, and returns its courses.
     fn round(
         &self,
         planner: &mut ListPlanner,
@@ -248,11 +250,11 @@ impl Improvement {
     }
 }
 
-/// Least steps of each agent alone, or of those that it gives off, if that is more.
+/// Least steps of each agent alone, and at least one more than those of its children.
 fn lengths(problem: &AssayProblem, ahead: &Ahead) -> Vec<u64> {
     let agents = 0..problem.errands.len();
     let mut lengths: Vec<u64> = agents.clone().map(|agent| length(problem, ahead, agent)).collect();
-    // Who is given off comes later than who gives it off.
+    // A parent comes earlier in the list than its children.
     for agent in agents.rev() {
         if let Some(parent) = problem.parents[agent] {
             lengths[parent] = lengths[parent].max(lengths[agent] + 1);
@@ -272,12 +274,12 @@ fn length(problem: &AssayProblem, ahead: &Ahead, agent: usize) -> u64 {
     steps
 }
 
-/// A list with one agent at another place.
+/// The list with one random agent moved to a random place.
 fn moved(list: &[usize], random: &mut SplitMix64) -> Vec<usize> {
     moved_to(list, below(random, list.len()), below(random, list.len()))
 }
 
-/// A list with what stands at one place at another one.
+/// The list with the agent at index `from` moved to index `to`.
 pub(super) fn moved_to(list: &[usize], from: usize, to: usize) -> Vec<usize> {
     let mut list = list.to_vec();
     if from < list.len() {
@@ -287,7 +289,7 @@ pub(super) fn moved_to(list: &[usize], from: usize, to: usize) -> Vec<usize> {
     list
 }
 
-/// A list in which all agents of one droplet, that of one of some agents, come no later than the first of them did.
+/// The list with all agents of one droplet moved forward together. The droplet is that of a random agent among `some`.
 fn advanced(list: &[usize], drops: &[usize], some: &[usize], random: &mut SplitMix64) -> Vec<usize> {
     let Some(drop) = some.get(below(random, some.len())).map(|agent| drops[*agent]) else { return list.to_vec() };
     let (own, mut others): (Vec<usize>, Vec<usize>) = list.iter().partition(|agent| drops[**agent] == drop);
@@ -297,38 +299,38 @@ fn advanced(list: &[usize], drops: &[usize], some: &[usize], random: &mut SplitM
     others
 }
 
-/// The agents whose courses are the longest.
+/// The agents whose courses end last.
 pub(super) fn last_done(courses: &[AgentCourse]) -> Vec<usize> {
     let length = |agent: &usize| courses[*agent].until();
     let longest = (0..courses.len()).map(|agent| length(&agent)).max();
     (0..courses.len()).filter(|agent| Some(length(agent)) == longest).collect()
 }
 
-/// A number below another; 0 where there is none.
+/// A random number below `count`; 0 if `count` is 0.
 pub(super) fn below(random: &mut SplitMix64, count: usize) -> usize {
     (random.next_u64() % count.max(1) as u64) as usize
 }
 
-/// In which order agents take their turns.
+/// The order in which agents take their turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TurnOrder {
-    /// That of the list.
+    /// By the list.
     Eager,
-    /// That of time.
+    /// By time.
     Patient,
 }
 
-/// How a list is gone through.
+/// Terms on which a list is scheduled.
 #[derive(Debug, Clone, Copy)]
 struct ListTerms {
-    /// For how many instants, in separations, the start of an agent without a course is kept for it.
+    /// Reservation time of an unplanned agent's start, in instants per unit of separation.
     kept_separations: u32,
     turns: TurnOrder,
-    /// Whether an agent lets others take their turn after each errand for which they wait, or by which it gives them off.
+    /// Whether an agent yields its turn after each errand that others wait for, and after each split.
     pauses: bool,
 }
 
-/// The errands that an agent can do next, as [`RouteQuery`] has them.
+/// The errands that an agent can do next, in the form of [`RouteQuery`].
 #[derive(Default)]
 struct DueErrands {
     waits: Vec<Option<u32>>,
@@ -341,29 +343,29 @@ pub(super) struct ListPlanner<'a, 'm> {
     pub ahead: &'a Ahead,
     router: Router<'a>,
     pub bounds: &'a AssayBounds,
-    /// The errands, by agent and errand, for which others wait.
+    /// The errands, as (agent, errand), that others wait for.
     awaited: FxHashSet<(usize, usize)>,
     /// Latest end of all courses.
     limit: u32,
     meter: &'m mut Meter,
 }
 
-/// The courses while they are planned.
+/// State while the courses are planned.
 pub(super) struct Progress<'a> {
     bookings: Bookings<'a>,
     pub courses: Vec<BookedCourse>,
-    /// By agent: errands done.
+    /// By agent: number of errands done.
     pub done: Vec<usize>,
-    /// By agent: when each of them was, but for the last one of an agent that waits for another.
+    /// By agent: when each errand was done, except the last one of an agent that waits.
     done_at: Vec<Vec<u32>>,
-    /// By agent: those that it has merged with.
+    /// By agent: the agents that it has merged with.
     past: Vec<Vec<usize>>,
-    /// Agents that others have given off and that have no course yet, each with the instant at which it comes.
+    /// Agents that have split off and have no course yet, each with the instant at which it appears.
     given_off: VecDeque<(usize, u32)>,
 }
 
 impl Progress<'_> {
-    /// Notes when the errands of a new part of a course, from an instant on, are done; `None` if it does not do them.
+    /// Records when the errands of a new part of a course, from an instant on, are done; `None` if it does not do them.
     fn note_done(
         &mut self,
         problem: &AssayProblem,
@@ -392,7 +394,7 @@ impl Progress<'_> {
         Some(())
     }
 
-    /// Keeps the starts of the agents that were given off free for them.
+    /// Reserves the starts of agents that have split off.
     fn keep_given_off(&mut self, problem: &AssayProblem, instants: u32) {
         for (agent, since) in &self.given_off {
             let start = problem.instance.agents[*agent].start;
@@ -400,12 +402,12 @@ impl Progress<'_> {
         }
     }
 
-    /// The instant at which an errand may begin; `None` if that is not known yet.
+    /// The instant from which an errand may begin; `None` if it is not known yet.
     pub(super) fn begins(&self, problem: &AssayProblem, agent: usize, errand: usize) -> Option<u32> {
         Some(self.after(problem, agent, errand)?.max(problem.release(agent, errand)))
     }
 
-    /// The instant at which all is done that an errand comes after; `None` if that is not known yet.
+    /// The instant at which an errand's predecessors are all done; `None` if it is not known yet.
     fn after(&self, problem: &AssayProblem, agent: usize, errand: usize) -> Option<u32> {
         let mut last = 0;
         for before in problem.afters[agent].get(errand).into_iter().flatten() {
@@ -414,7 +416,7 @@ impl Progress<'_> {
         Some(last)
     }
 
-    /// The instant since which an agent waits for another one at the end of its course.
+    /// The instant since which `other` has waited for `agent` at the end of its course; `None` if it does not wait.
     pub(super) fn waits(&self, problem: &AssayProblem, other: usize, agent: usize) -> Option<u32> {
         let waiting = self.done[other].checked_sub(1).map(|last| problem.errands[other][last]);
         let course = &self.courses[other];
@@ -434,13 +436,13 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         ListPlanner { problem, ahead, router, bounds, awaited, limit: NEVER, meter }
     }
 
-    /// Whether an agent gives off more than one other.
+    /// Whether some agent has more than one split.
     fn gives_off_several(&self) -> bool {
         let splits = |errands: &Vec<Errand>| errands.iter().filter(|errand| errand.splits.is_some()).count();
         self.problem.errands.iter().any(|errands| splits(errands) > 1)
     }
 
-    /// The courses of all agents; an error is an agent that found none.
+    /// The courses of all agents; the error is an agent that found none.
     fn courses(&mut self, list: &[usize], terms: ListTerms) -> Result<Vec<AgentCourse>, usize> {
         let (problem, separation) = (self.problem, self.problem.instance.separation);
         let count = problem.errands.len();
@@ -459,7 +461,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             }
         }
         loop {
-            // Those that were given off come first, since they are there already.
+            // Agents that have split off come first, since they are on the board already.
             let given_off = progress.given_off.pop_front().map(|(agent, _)| agent);
             let Some(agent) = given_off.or_else(|| self.next(&progress, list, terms.turns)) else { break };
             self.go_on(&mut progress, agent, terms)?;
@@ -473,14 +475,14 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             let instants: u64 = courses.iter().map(|course| course.cells.len() as u64).sum();
             self.meter.charge(STEPS_PER_INSTANT * instants);
         }
-        // An agent may have come to where it merges before the other one, which was not planned then, left its traces there.
+        // An agent may have reached a meeting before the other one, not planned then, left its traces there.
         match problem.traces.as_ref().and_then(|traces| traces.harmed(problem, &courses)) {
             Some(agent) => Err(agent),
             None => Ok(courses),
         }
     }
 
-    /// What an agent can do next: up to where it waits for another one, or lets others take their turn.
+    /// The errands that an agent can do next, up to where it waits for another one or yields its turn.
     fn due_errands(&self, progress: &Progress, agent: usize, terms: ListTerms) -> DueErrands {
         let problem = self.problem;
         let mut due = DueErrands::default();
@@ -500,7 +502,8 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         due
     }
 
-    /// Plans the course of an agent to its end, or to where it waits for another one.
+    /// Extends the course of an agent to its end, or to where it waits for another one; the error is the agent if it
+    /// finds none.
     fn go_on(&mut self, progress: &mut Progress, agent: usize, terms: ListTerms) -> Result<(), usize> {
         let problem = self.problem;
         let first = progress.done[agent];
@@ -527,7 +530,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             past: &progress.past[agent],
             is_gone,
             comes: problem.comes[agent] && own.cells.is_empty(),
-            // What comes after the last of these errands must be done within the limit, too.
+            // Errands after the last one of these must be done within the limit too.
             limit: match self.limit {
                 NEVER => NEVER,
                 limit => limit.saturating_sub(self.bounds.after[agent][first + waits.len() - 1]),
@@ -542,7 +545,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         let own = &mut progress.courses[agent];
         match own.own.cells.pop() {
             None => own.own = AgentCourse { since: course.since, cells: course.cells },
-            // It goes on from its last cell.
+            // The course continues from its last cell.
             Some(_) => own.own.cells.extend(&course.cells),
         }
         own.ready = must_wait.then_some(course.ready);
@@ -552,7 +555,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         progress.note_done(problem, agent, since, &begins, &waits).ok_or(agent)?;
         progress.bookings.enter(agent, &progress.courses[agent], &progress.done_at[agent]);
         for (child, since) in course.splits {
-            // Its course begins where it comes.
+            // The child's course begins where it appears.
             let start = problem.instance.agents[child].start;
             let own = AgentCourse { since, cells: vec![start] };
             progress.courses[child] = BookedCourse { own, is_split_off: true, ..BookedCourse::default() };
@@ -566,7 +569,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         Ok(())
     }
 
-    /// The course of a query, within its share of the budget.
+    /// The course of a query, within a budget of its own.
     pub(super) fn course(&mut self, query: &RouteQuery, bookings: &Bookings) -> Option<Course> {
         let cells = self.problem.instance.board.cells() as u64;
         let allowed = COURSE_STEPS + STEPS_PER_CELL * cells * query.waits.len() as u64;
@@ -574,12 +577,12 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         self.meter.share(allowed, |meter| router.course(query, bookings, meter))
     }
 
-    /// The first instant at which the agent of a query can no longer be at its start.
+    /// The first instant at which the agent of a query can no longer stay at its start.
     pub(super) fn start_is_free_until(&mut self, query: &RouteQuery, bookings: &Bookings) -> u32 {
         self.router.start_is_free_until(query, bookings)
     }
 
-    /// An agent that waited has been met: it is gone, or can go on from that instant.
+    /// Ends the wait of an agent that has been met: it is gone, or can continue from that instant.
     fn met(&self, progress: &mut Progress, other: usize, agent: usize, stop: CellIndex) {
         let since = progress.courses[other].own.until() - 1;
         let course = &progress.courses[agent].own;

@@ -1,18 +1,23 @@
-//! Plans of assays: every part does its errands one after the other, and none waits for a part that it does not meet.
+//! Plans of assays: each part does its errands in order, and waits only for the parts that it meets or whose errands
+//! must come before.
 //!
-//! Problem: agents on a grid with separation kept ([`super::board`]); each visits its stops in order, stays at some of them, and
-//! meets others, with which it merges: one of the two is gone from then on. Some errands wait for those of other agents.
+//! Problem: agents on a grid that keep their separation ([`super::board`]). Each visits its stops in order, stays at
+//! some of them, and meets other agents to merge with them; one of the two is gone from then on. Some errands wait for
+//! errands of other agents.
 //!
-//! Method: list scheduling. The course of one agent after the other, up to the next agent that it meets and that has no course yet (`route`),
-//! is planned around the courses of the others (`bookings`); an agent that finds none comes earlier in the next list. Beside the order of the
-//! list there is that of time, in which nobody comes before it is of use (`turns`). Then lists with two agents exchanged, as long as they are
-//! no worse (`lists`). Where no list leads to a plan, agents that would stay in the way step aside (`aside`); where that does not help, or where
-//! they leave traces, droplets take turns and negotiate about cells (`negotiated`); then lists in random order are gone through, and where no plan is found, or it may have too many steps, a few agents are planned all at once (`joint`).
+//! Method: list scheduling. Agents take their turns in the order of a list. In its turn an agent's course is planned up
+//! to the next agent that it meets and that has no course yet (`route`), around the courses of the others (`bookings`);
+//! an agent that finds no course moves to the front of the next list. Besides the order of the list there is the order
+//! of time, in which no agent enters the board or goes to a meeting long before it is needed there (`turns`). Then
+//! local search: lists with agents moved are kept if they are no worse (`lists`). Where no list yields a plan, agents
+//! that would block others step aside (`aside`); where that does not help, or where agents leave traces, droplets are
+//! replanned one by one and negotiate about cells (`negotiated`). Then random lists are tried. Where no plan is found,
+//! or the plan may have too many steps, a few agents are planned jointly (`joint`).
 //!
-//! Guaranteed: a plan is legal; `bound` holds for every plan; the same input and budget give the same plan. For few agents, while the
-//! budget lasts, a plan is found where there is one, with the fewest steps or the least sum of costs. Else neither is guaranteed.
-//! Cost: one step of the budget is one expanded node of the search of one course, or one joint position of several agents; of many agents
-//! their courses cost some, too.
+//! Guaranteed: a plan is legal; `bounds` hold for every plan; the same input and budget give the same plan. For few
+//! agents, while the budget lasts, a plan is found where there is one, with the fewest steps or the least sum of costs.
+//! Otherwise neither is guaranteed. Cost: one step of the budget is one expanded node of the search for one course, or
+//! one joint position of several agents; with many agents, their courses are charged too.
 
 mod aside;
 mod bookings;
@@ -38,99 +43,106 @@ pub use replay::{cut_where_gone, done_by};
 use rustc_hash::FxHashSet;
 pub use traces::Traces;
 
-/// One thing that an agent does.
+/// One errand of an agent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Errand {
-    /// Where.
+    /// The cell where it is done.
     pub stop: CellIndex,
-    /// Steps for which it stays there.
+    /// Steps for which the agent stays there.
     pub stay: u32,
-    /// The agent with which it merges there; both stay for no step.
+    /// The agent with which it merges there; then `stay` is 0 for both.
     pub meets: Option<usize>,
-    /// The loop, one of [`AssayProblem::loops`], round which it goes for these steps: whole rounds from the stop to the stop.
+    /// The mixing loop, an index into [`AssayProblem::loops`], that the agent follows for `stay` steps: whole rounds
+    /// that begin and end at the stop.
     pub mixes: Option<usize>,
-    /// What it gives off in the one step in which it comes to the stop.
+    /// The agent that splits off in the step in which this one moves to the stop.
     pub splits: Option<SplitErrand>,
 }
 
 impl Errand {
-    /// Steps from its beginning until it is done.
+    /// Steps from the beginning of the errand until it is done.
     fn work(&self) -> u32 {
         if self.splits.is_some() { 1 } else { self.stay }
     }
 }
 
-/// An agent that comes out of another one: that one is pulled apart at a cell, and in one step goes from there to its stop and the new agent
-/// to its start, on the opposite side.
+/// A split: in one step the parent moves from `from` to its stop, and the child appears at its start on the opposite
+/// side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SplitErrand {
-    /// Where the first is before that step: the stop of its errand before.
+    /// The parent's cell before that step: the stop of its previous errand.
     pub from: CellIndex,
-    /// The agent that comes.
+    /// The agent that splits off.
     pub child: usize,
 }
 
-/// An errand by its agent and its place among that one's.
+/// An errand, by its agent and its index among that agent's errands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ErrandPlace {
     pub agent: usize,
     pub errand: usize,
 }
 
-/// How soon an errand is done after others.
+/// Time limit of an errand, counted from the end of other errands.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ErrandLag {
     pub of: ErrandPlace,
-    /// At least one.
+    /// The errands that it is counted from; at least one.
     pub after: Vec<ErrandPlace>,
-    /// Most steps from the instant at which the last of those is done to the one at which it begins.
+    /// Most steps from the instant at which the last of these is done to the instant at which the errand begins.
     pub most: u32,
 }
 
 /// The errands of all agents.
 #[derive(Debug, Clone)]
 pub struct AssayProblem<'a> {
-    /// The agents with the stops of their errands, and no merges. Agents that come may have one start.
+    /// The agents with the stops of their errands, and no merges. Several agents that enter the board may have the same
+    /// start.
     pub instance: &'a Instance,
-    /// For each agent, whether it is nowhere until an instant that the plan chooses. Then it is at its start, where its first errand is a
-    /// stay.
+    /// For each agent, whether it enters the board at an instant that the plan chooses; it then appears at its start,
+    /// where its first errand is a stay.
     pub comes: Vec<bool>,
-    /// For each agent the one that gives it off, if it comes by a split. It is nowhere before, then at its start, which is the stop of
-    /// its first errand.
+    /// For each agent its parent, if it enters by a split. It then appears at its start, which is the stop of its first
+    /// errand.
     pub parents: Vec<Option<usize>>,
-    /// Cells of mixing loops, from the corner on.
+    /// Cells of each mixing loop, from its corner on.
     pub loops: Vec<Vec<CellIndex>>,
-    /// For each agent, at least one. Where two meet, the one with further errands, else the one of the smaller index, remains.
+    /// For each agent its errands, at least one. Where two agents meet, the one with further errands remains; if
+    /// neither has any, the one with the smaller index.
     pub errands: Vec<Vec<Errand>>,
-    /// By agent and errand: the index of the operation, if it is for one.
+    /// By agent and errand: the index of its operation; `None` if it belongs to none.
     pub operations: Vec<Vec<Option<usize>>>,
-    /// By agent and errand: the errands of others that are done before it begins: before its agent stays, is mixed or pulled apart, comes,
-    /// leaves, or meets another that is there already.
+    /// By agent and errand: errands of other agents that must be done before it begins, that is, before its agent
+    /// stays, is mixed or split, enters, leaves, or meets another one that is there already.
     pub afters: Vec<Vec<Vec<ErrandPlace>>>,
-    /// What must not be done too long after others.
+    /// Time limits between errands.
     pub lags: Vec<ErrandLag>,
-    /// By agent and errand: the first instant at which it may begin; empty where nothing is held back. Whoever replays the courses does not
-    /// know them: unless what comes before lasts until then, the agent comes to the stop no earlier.
+    /// By agent and errand: its release, the first instant at which it may begin; empty if there are no releases. A
+    /// replay of the courses does not know the releases, so the agent must not reach the stop earlier, unless its work
+    /// before lasts until then.
     pub releases: Vec<Vec<u32>>,
-    /// Schedules on paper, in which nobody is in another's way: by agent and errand the instant at which it begins.
+    /// Schedules that ignore conflicts between agents: by agent and errand, the instant at which it begins.
     pub papers: Vec<Vec<Vec<u32>>>,
-    /// For each agent, whether it is gone after its last errand: the other one of those that meet there remains, or it leaves the board.
+    /// For each agent, whether it is gone after its last errand: it merges into the agent that it meets there, or
+    /// leaves the board.
     pub is_gone: Vec<bool>,
-    /// What they leave behind, if that does harm to any.
+    /// Traces of the agents' contents; `None` if no trace contaminates another agent.
     pub traces: Option<Traces>,
 }
 
-/// Where an agent is.
+/// Cells of one agent over time.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct AgentCourse {
-    /// The instant from which on it is there.
+    /// The first instant at which it is on the board.
     pub since: u32,
-    /// Its cell at each instant from that on until its last errand is done; afterwards it stays there, or is gone. Empty before it is planned.
+    /// One cell per instant, from `since` until its last errand is done; afterwards it stays there or is gone. Empty
+    /// until it is planned.
     pub cells: Vec<CellIndex>,
 }
 
 impl AgentCourse {
-    /// Its cell at an instant; before it is there, the first one, after its end, the last one.
+    /// Its cell at an instant: the first one before it enters, the last one after its end; `None` if it is not planned
+    /// yet.
     pub fn at(&self, instant: u32) -> Option<CellIndex> {
         self.cells.get(instant.saturating_sub(self.since) as usize).or(self.cells.last()).copied()
     }
@@ -140,13 +152,13 @@ impl AgentCourse {
         self.since + self.cells.len() as u32
     }
 
-    /// Cuts it after an instant and its last move.
+    /// Cuts it after an instant, but not before its last move.
     pub fn end_at(&mut self, instant: u32) {
         let last = instant.max(self.last_arrival()).max(self.since);
         self.cells.truncate((last + 1 - self.since) as usize);
     }
 
-    /// The instant at which it comes to its last cell.
+    /// The instant of its last move.
     pub fn last_arrival(&self) -> u32 {
         let last = self.cells.last();
         let before = self.cells.iter().rposition(|cell| Some(cell) != last);
@@ -163,8 +175,9 @@ pub struct AssayPlan {
 }
 
 impl AssayProblem<'_> {
-    /// The errand that is held back, and until when, so that another one begins no earlier than an instant: that one or, where its agent
-    /// is there already, what it does there before. `None` where it is there from the start.
+    /// The errand to hold back, and until when, so that errand `place` begins no earlier than `until`. It is that
+    /// errand itself or, if its agent is at the stop already, its previous work there. `None` if the agent is there
+    /// from the start.
     fn held_back_by(&self, place: ErrandPlace, until: u32) -> Option<(ErrandPlace, u32)> {
         let (mut place, mut until) = (place, until);
         loop {
@@ -186,13 +199,13 @@ impl AssayProblem<'_> {
         }
     }
 
-    /// All errands, agent after agent.
+    /// All errands, by agent.
     fn places(&self) -> impl Iterator<Item = ErrandPlace> + use<'_> {
         let agents = self.errands.iter().enumerate();
         agents.flat_map(|(agent, own)| (0..own.len()).map(move |errand| ErrandPlace { agent, errand }))
     }
 
-    /// For an errand in which two meet, that of the other one.
+    /// The errand of the other agent in a meeting; `None` if the errand is no meeting.
     fn partner(&self, ErrandPlace { agent, errand }: ErrandPlace) -> Option<ErrandPlace> {
         let other = self.errands[agent][errand].meets?;
         let nth = self.errands[agent][..errand].iter().filter(|before| before.meets == Some(other)).count();
@@ -200,31 +213,31 @@ impl AssayProblem<'_> {
         Some(ErrandPlace { agent: other, errand: theirs.map(|(place, _)| place).nth(nth)? })
     }
 
-    /// The errand by which an agent is given off; `None` if it comes otherwise.
+    /// The errand of the parent in which an agent splits off; `None` if it enters otherwise.
     fn given_off_by(&self, agent: usize) -> Option<ErrandPlace> {
         let parent = self.parents[agent]?;
         let gives_off = |errand: &Errand| errand.splits.is_some_and(|split| split.child == agent);
         Some(ErrandPlace { agent: parent, errand: self.errands[parent].iter().position(gives_off)? })
     }
 
-    /// The first instant at which an errand may begin by its release; 0 where it has none.
+    /// The release of an errand; 0 if it has none.
     fn release(&self, agent: usize, errand: usize) -> u32 {
         self.releases.get(agent).and_then(|own| own.get(errand)).copied().unwrap_or(0)
     }
 
-    /// The errands, by agent and errand, for which errands of others wait.
+    /// The errands, as (agent, errand), that errands of other agents wait for.
     fn awaited(&self) -> FxHashSet<(usize, usize)> {
         let by_agent = self.afters.iter().enumerate();
         let afters = by_agent.flat_map(|(agent, own)| own.iter().flatten().map(move |after| (agent, after)));
         afters.filter(|(agent, after)| after.agent != *agent).map(|(_, after)| (after.agent, after.errand)).collect()
     }
 
-    /// Releases that hold nothing back.
+    /// Releases of 0 for all errands.
     fn unheld(&self) -> Vec<Vec<u32>> {
         self.errands.iter().map(|errands| vec![0; errands.len()]).collect()
     }
 
-    /// Most steps from the end of what a lag counts from to the end of its errand.
+    /// Most steps from the end of the last errand that a lag counts from to the end of the limited errand.
     fn most_to_end(&self, lag: &ErrandLag) -> u32 {
         lag.most.saturating_add(self.errands[lag.of.agent][lag.of.errand].work())
     }
@@ -239,7 +252,7 @@ impl AssayPlan {
         }
     }
 
-    /// Whether courses meet the bound of what is minimized.
+    /// Whether courses meet the lower bound of the objective.
     fn is_least(courses: &[AgentCourse], objective: BoardObjective, least: BoardCosts) -> bool {
         AssayPlan::costs(courses).key(objective).0 <= least.key(objective).0
     }
@@ -248,23 +261,24 @@ impl AssayPlan {
 /// Why an assay has no plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NoAssayPlan {
-    /// Agents cannot come to their stops, whatever the others do.
+    /// An agent cannot reach its stops, whatever the others do.
     Alone(NoBoardPlan),
-    /// This agent cannot come from one of its errands to another in time, even alone: to that of an operation, if it is for one.
+    /// This agent cannot get from one of its errands to another in time, even alone; `operation` is that of the later
+    /// errand, if it has one.
     TooLate { agent: usize, operation: Option<usize> },
-    /// The loop round which this agent is to be mixed leaves the board.
+    /// The loop in which this agent is to be mixed leaves the board.
     LoopOffBoard { agent: usize },
-    /// The agents keep one another from their operations, in every order; by agent, the cells that it came to.
+    /// The agents block one another's operations in every order; by agent, the cells that it reached.
     Excluded { reached: Vec<Vec<CellIndex>> },
 }
 
-/// Lower bounds on every plan of an assay, or why it is known at once that there is none.
+/// Lower bounds on every plan of an assay, or an immediate proof that there is none.
 pub fn bounds(problem: &AssayProblem, meter: &mut Meter) -> Result<BoardCosts, NoAssayPlan> {
     let mut distances = fast::Distances::of(&problem.instance.board);
     Ok(looked_ahead(problem, &mut distances, meter)?.1.costs)
 }
 
-/// The distances to all stops, with the bounds that follow from them.
+/// The distances to all stops, with the lower bounds that follow from them.
 fn looked_ahead(
     problem: &AssayProblem,
     distances: &mut fast::Distances,
@@ -282,33 +296,34 @@ fn looked_ahead(
     }
 }
 
-/// One part in this many of the remaining budget for lists in random order, where the search of all positions has the rest.
+/// 1/N of the remaining budget is for random lists, where the joint search gets the rest.
 const CHANCE_SHARE: u64 = 3;
 
-/// One part in this many of the remaining budget for droplets that negotiate, where the search of all positions has the rest, and elsewhere.
+/// 1/N of the remaining budget is for negotiation: where the joint search gets the rest, and elsewhere.
 const NEGOTIATED_SHARE_OF_FEW: u64 = 16;
 const NEGOTIATED_SHARE: u64 = 3;
 
-/// One part in this many of the remaining budget for the search without regard to traces.
+/// 1/N of the remaining budget is for the joint search that ignores traces.
 const CAREFREE_SHARE: u64 = 3;
 
-/// One part in this many of the remaining budget for the least sum of costs by all positions.
+/// 1/N of the remaining budget is for the least sum of costs by joint search.
 const SUM_SHARE: u64 = 2;
 
-/// One part in this many of the share of droplets that negotiate for lists without regard to traces, whose order they begin with.
+/// 1/N of the share for negotiation is for lists that ignore traces; negotiation begins with their order.
 const CAREFREE_LISTS_SHARE: u64 = 16;
 
-/// How far a plan is looked for.
+/// Search effort.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AssayEffort {
-    /// By lists, and where they do not end in the fewest steps by all positions.
+    /// By lists; where these do not end in the fewest steps, by joint search.
     Whole,
     Lists,
-    /// By all positions, with fewer steps than these.
+    /// By joint search, for fewer steps than this.
     Below(u64),
 }
 
-/// A plan of an assay; where the search gave up, or no plan has so few steps, lower bounds on every plan.
+/// Plans an assay. Where the search gave up, or no plan has as few steps as asked for, it returns lower bounds on every
+/// plan.
 pub fn solve(
     problem: &AssayProblem,
     objective: BoardObjective,
@@ -323,7 +338,7 @@ pub fn solve(
     let by_lists = match effort {
         AssayEffort::Below(_) => None,
         AssayEffort::Whole | AssayEffort::Lists => {
-            // Shared channels are not looked at until then.
+            // The lists ignore shared channels; courses that break their rule are dropped here.
             let courses = in_order(problem, &ahead, objective, &least, &mut distances, meter);
             courses.filter(|courses| are_kept_by_courses(problem, courses))
         }
@@ -348,11 +363,11 @@ pub fn solve(
     }
 }
 
-/// Courses, if any are known, and lower bounds on every plan.
+/// The best known courses, if any, and lower bounds on every plan.
 type KnownCourses = (Option<Vec<AgentCourse>>, BoardCosts);
 
-/// The least sum of costs of a small assay by all positions, with the bound that this proves; where the search gave up, the courses that are
-/// known.
+/// Minimises the sum of costs of a small assay by joint search, and raises the bound accordingly; where the search
+/// gives up, returns the known courses.
 fn least_sum(
     problem: &AssayProblem,
     ahead: &route::Ahead,
@@ -378,7 +393,7 @@ fn least_sum(
     }
 }
 
-/// The better one of some courses and those that are known.
+/// The better of the known courses and new ones.
 fn better(
     objective: BoardObjective,
     known: Option<Vec<AgentCourse>>,
@@ -387,8 +402,8 @@ fn better(
     known.into_iter().chain([courses]).min_by_key(|courses| AssayPlan::costs(courses).key(objective))
 }
 
-/// The courses of fewest steps by all positions, where these are fewer than those of the courses that are known and, if sums are minimized,
-/// their sum is smaller.
+/// Minimises the number of steps by joint search, below that of the known courses. If sums are minimised, the result
+/// counts only if its sum is smaller.
 fn fewer_steps(
     problem: &AssayProblem,
     ahead: &route::Ahead,
@@ -404,7 +419,7 @@ fn fewer_steps(
     }
     let begin = |courses: &Vec<AgentCourse>| HeldBoardPlan::begin(objective, AssayPlan::costs(courses), bounds);
     let _held = known.as_ref().map(begin);
-    // Only fewer steps than those at hand are of use.
+    // Only plans of fewer steps than the known one matter.
     let below = if let AssayEffort::Below(steps) = effort { Some(steps) } else { steps };
     let limit = below.and_then(|steps| u32::try_from(steps.checked_sub(1)?).ok()).unwrap_or(u32::MAX);
     let raised = |makespan: u64| BoardCosts { makespan: makespan.max(bounds.makespan), ..bounds };
@@ -433,7 +448,7 @@ fn in_order(
     let listed = lags::by_lists(problem, ahead, objective, least, meter)
         .and_then(|courses| aside::as_replayed(problem, courses))
         .or_else(|| aside::by_lists(problem, objective, least, distances, meter));
-    // Lists lead to long ways round where there are traces, if to any plan.
+    // With traces, lists yield long detours, if they yield a plan at all.
     let negotiated = match &listed {
         Some(courses) if problem.traces.is_none() || AssayPlan::is_least(courses, objective, least.costs) => None,
         Some(_) | None => {
@@ -458,8 +473,9 @@ fn in_order(
     })
 }
 
-/// The courses of fewest steps, by all positions. Without regard to traces there are far fewer of them: courses that do no harm all the same
-/// have the fewest steps with it, too, and where there are none there are none with it.
+/// The courses of fewest steps, by joint search. The search that ignores traces has far fewer states and comes first:
+/// if its courses contaminate nobody, they have the fewest steps with traces too; if it has none, there are none with
+/// traces.
 fn fewest_steps(
     problem: &AssayProblem,
     ahead: &route::Ahead,

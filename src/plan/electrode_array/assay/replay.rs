@@ -1,9 +1,9 @@
-//! When courses do their errands, as whoever replays them sees it.
+//! Replay of courses: the instants at which they do their errands.
 
 use super::{AgentCourse, AssayProblem, Errand, ErrandPlace};
 
-/// The first instant, from one on, at which an errand is done by a course, which stays at its last cell; where agents meet, that at which
-/// this one is there. `None` if it does not do it.
+/// The first instant, from `from` on, at which a course has done an errand; the course stays at its last cell. If the
+/// errand is a meeting, the instant at which this agent is there. `None` if the course does not do it.
 pub fn done_at(problem: &AssayProblem, of: ErrandPlace, course: &AgentCourse, from: u32) -> Option<u32> {
     let errand = problem.errands[of.agent].get(of.errand)?;
     let at = |instant: u32| course.at(instant);
@@ -24,7 +24,7 @@ pub fn done_at(problem: &AssayProblem, of: ErrandPlace, course: &AgentCourse, fr
     since.map(|since| since + errand.stay)
 }
 
-/// For each agent, when each of its errands is done by courses; fewer than all of them where they do not do them.
+/// For each agent, the instants at which courses do its errands; fewer than it has if they do not do all.
 pub fn done_by(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<Vec<u32>> {
     let mut replay = Replay { problem, courses, done_at: vec![Vec::new(); courses.len()] };
     let mut done = 0;
@@ -37,8 +37,8 @@ pub fn done_by(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<Vec<u32>>
     }
 }
 
-/// Cuts the courses of agents that are gone where whoever replays them sees that: the first time that all their errands are done, whatever
-/// was planned for them from then on. Returned is when errands are done, as by [`done_by`].
+/// Cuts the courses of agents that are gone at the first instant at which a replay has all their errands done, whatever
+/// was planned after it. Returns when the errands are done, as [`done_by`] does.
 pub fn cut_where_gone(problem: &AssayProblem, courses: &mut [AgentCourse]) -> Vec<Vec<u32>> {
     let done_by = done_by(problem, courses);
     for (agent, (course, done_at)) in courses.iter_mut().zip(&done_by).enumerate() {
@@ -53,12 +53,13 @@ pub fn cut_where_gone(problem: &AssayProblem, courses: &mut [AgentCourse]) -> Ve
 struct Replay<'a> {
     problem: &'a AssayProblem<'a>,
     courses: &'a [AgentCourse],
-    /// By agent, of the errands done so far.
+    /// By agent, the instants at which its errands so far are done.
     done_at: Vec<Vec<u32>>,
 }
 
 impl Replay<'_> {
-    /// The instant from which on an agent can do its next errand, with that; `None` while it is not known, or there is none.
+    /// The next errand of an agent and the instant from which it can be done; `None` while that is not known, or there
+    /// is none.
     fn begins(&self, agent: usize) -> Option<(Errand, u32)> {
         let errand = self.done_at[agent].len();
         let due = self.problem.errands[agent].get(errand)?;
@@ -69,7 +70,7 @@ impl Replay<'_> {
         Some((*due, from))
     }
 
-    /// The instant at which two agents merge: the first one at which both are there and can.
+    /// The instant at which two agents merge: the first one at which both are at the stop and may begin.
     fn merged(&self, agent: usize, due: Errand, begins: u32, other: usize) -> Option<u32> {
         let (theirs, from) = self.begins(other)?;
         if theirs.meets != Some(agent) {
@@ -81,7 +82,7 @@ impl Replay<'_> {
         (from..until).find(|instant| courses.iter().all(|course| course.at(*instant) == Some(due.stop)))
     }
 
-    /// Follows an agent through the errands that it can do.
+    /// Advances an agent through the errands that it can do.
     fn go_on(&mut self, agent: usize) {
         while let Some((due, from)) = self.begins(agent) {
             let errand = self.done_at[agent].len();

@@ -1,10 +1,11 @@
-//! The course of one agent through some of its errands, around the courses of the others.
+//! Plans the course of one agent through some of its errands, around the courses of the others.
 //!
-//! Method: safe-interval path planning (Phillips and Likhachev, ICRA 2011) over free spans and the number of errands that are done.
-//! The earliest arrival in a span with the same errands done dominates all later ones. An errand is done as soon as its time has
-//! passed at its stop, which is what whoever replays the course sees too. Of courses that end at the same instant it prefers those that are
-//! not long where agents come or are mixed. Guaranteed: the course is legal. Not guaranteed: that one is
-//! found where only one exists that leaves a stop early and does the errand later. Cost: one step for each expanded node.
+//! Method: safe-interval path planning (Phillips and Likhachev, ICRA 2011) over free spans and the number of errands
+//! done. The earliest arrival in a span with the same errands done dominates all later ones. An errand is done as soon
+//! as its time has passed at its stop, as a replay of the course sees it too. Among courses that end at the same
+//! instant, it prefers those that spend less time where agents enter or are mixed. Guaranteed: the course is legal. Not
+//! guaranteed: that a course is found if all of them leave a stop early and do the errand later. Cost: one step for
+//! each expanded node.
 
 use super::bookings::{Asking, Bookings, FreeSpan, NEVER};
 use super::{AssayProblem, Errand, SplitErrand};
@@ -18,7 +19,7 @@ use std::collections::BinaryHeap;
 /// No node, and no loop.
 const NONE: u32 = u32::MAX;
 
-/// For how many separations, in steps, an agent that was pulled apart does not go where the other one comes.
+/// Steps, per unit of separation, for which the parent keeps away from the child's start after a split.
 const KEPT_SEPARATIONS: u32 = 3;
 
 /// The distances to the stops of all agents.
@@ -34,46 +35,46 @@ impl Ahead {
         Ahead { fields: problem.errands.iter().map(|errands| errands.iter().map(&mut field).collect()).collect() }
     }
 
-    /// Least steps from a cell to the stop of an errand.
+    /// Least steps from a cell to the stop of an errand; a lower bound, since other agents are ignored.
     pub(super) fn steps(&self, agent: usize, errand: usize, from: CellIndex) -> u32 {
         self.fields[agent][errand].from(from)
     }
 }
 
-/// What is asked.
+/// Query for one course.
 #[derive(Clone, Copy)]
 pub(super) struct RouteQuery<'q> {
     pub agent: usize,
     pub start: CellIndex,
-    /// The instant at which it is there.
+    /// The instant at which it is at `start`.
     pub since: u32,
-    /// The first errand that is not done.
+    /// The first errand that is not done yet.
     pub first: usize,
-    /// One for each errand to do from the first on: the instant since which the agent waits that it meets there. Only the last one
-    /// may meet an agent that does not wait yet.
+    /// For each errand to do, from `first` on: the instant since which the agent that it meets there has been waiting.
+    /// Only the last errand may meet an agent that is not waiting yet.
     pub waits: &'q [Option<u32>],
-    /// One for each of these errands: the instant at which all that it comes after is done; 0 if there is nothing.
+    /// For each of these errands: the instant at which all its predecessors are done; 0 if it has none.
     pub begins: &'q [u32],
-    /// One for each of these errands: the instant before which the agent does not come to the stop, since nothing else keeps the errand from
-    /// its beginning.
+    /// For each of these errands: the earliest arrival at its stop. It holds back an errand that nothing else would
+    /// delay.
     pub held: &'q [u32],
-    /// The agents with which it has merged before.
+    /// The agents with which it has merged already.
     pub past: &'q [usize],
     /// Whether the agent is gone where the course ends.
     pub is_gone: bool,
-    /// Whether it is nowhere until an instant, not before `since`, that the search chooses.
+    /// Whether it enters the board at an instant, not before `since`, that the search chooses.
     pub comes: bool,
     /// Latest end.
     pub limit: u32,
 }
 
-/// A course, and the instant at which the errand before the last one was done.
+/// A course found.
 pub(super) struct Course {
-    /// The instant from which on it is there, at its first cell.
+    /// The instant at which it enters the board or continues, at its first cell.
     pub since: u32,
     pub cells: Vec<CellIndex>,
     pub ready: u32,
-    /// The agents that it gives off, each with the instant at which it comes, in order.
+    /// The agents that split off, in order, each with the instant at which it appears.
     pub splits: Vec<(usize, u32)>,
 }
 
@@ -84,7 +85,7 @@ impl Course {
     }
 }
 
-/// Estimated end, time in the way and steps ahead of a node, and its index.
+/// Estimated end, time in the way, remaining steps, and index of a node.
 type OpenNode = (u32, u32, u32, Reverse<u32>);
 
 #[derive(Debug, Clone, Copy)]
@@ -93,17 +94,17 @@ struct RouteNode {
     span: u32,
     /// Number of errands done.
     done: u32,
-    /// The instant at which it comes to the cell, and the later one at which it has done there what it can.
+    /// The instant at which it enters the cell, and the later one at which it has done what it can there.
     entered: u32,
     at: u32,
     /// The instant at which the last errand but one was done.
     ready: u32,
-    /// For how long it has been where another agent may come, or be mixed.
+    /// Steps spent where another agent may enter or be mixed.
     in_the_way: u32,
-    /// The loop round which it came, which it entered when it came to the cell, and until when; [`NONE`] if it did not.
+    /// The loop in which it was mixed since it entered the cell, and until when; [`NONE`] if it was not mixed.
     mixing: u32,
     mixed: u32,
-    /// The instant at which it last came from where it was pulled apart; 0 if it was not.
+    /// The instant of its last split; 0 if there was none.
     split: u32,
     parent: u32,
 }
@@ -113,11 +114,11 @@ pub(super) struct Router<'a> {
     problem: &'a AssayProblem<'a>,
     ahead: &'a Ahead,
     spans: Vec<FreeSpan>,
-    /// By cell and stage of the search: their range in `spans`.
+    /// By cell and stage of the search: the range of its spans in `spans`.
     listed: FxHashMap<(CellIndex, u32), (u32, u32)>,
-    /// The earliest instant by span and errands done.
+    /// The earliest instant, by span and number of errands done.
     earliest: FxHashMap<(u32, u32), u32>,
-    /// By cell: whether it is too near to where some agent comes, or is mixed.
+    /// By cell: whether it is too near to a cell where agents enter or are mixed.
     is_wanted: Vec<bool>,
     nodes: Vec<RouteNode>,
     open: BinaryHeap<Reverse<OpenNode>>,
@@ -146,7 +147,7 @@ impl<'a> Router<'a> {
         }
     }
 
-    /// The first instant at which the agent of a query can no longer be at its start.
+    /// The first instant at which the agent of a query can no longer stay at its start.
     pub(super) fn start_is_free_until(&mut self, query: &RouteQuery, bookings: &Bookings) -> u32 {
         self.clear();
         let search = RouteSearch::new(self.problem, self.ahead, query);
@@ -162,7 +163,7 @@ impl<'a> Router<'a> {
         self.open.clear();
     }
 
-    /// A course that ends as early as possible, unless none is found within the limit or the meter runs out.
+    /// A course that ends as early as possible; `None` if none is found within the limit or the meter runs out.
     pub(super) fn course(&mut self, query: &RouteQuery, bookings: &Bookings, meter: &mut Meter) -> Option<Course> {
         self.clear();
         let search = RouteSearch::new(self.problem, self.ahead, query);
@@ -197,15 +198,15 @@ impl<'a> Router<'a> {
         None
     }
 
-    /// The free spans in which a course may begin, each with the first instant.
+    /// The free spans in which a course may begin, each with its first possible instant.
     fn starts(&mut self, search: &RouteSearch, bookings: &Bookings) -> Vec<(u32, u32)> {
         let RouteQuery { start, since, comes, .. } = *search.query;
         if !comes {
             return self.span_at(search, bookings, start, 0, since).map(|span| (span, since)).into_iter().collect();
         }
         let (first, end) = self.list(search, bookings, start, 0);
-        // Where others have just been it may come at once: it was nowhere in the step in which they went. But with one that leaves at that
-        // instant it is there together.
+        // An agent may enter in the step in which another one leaves: it is on no cell before. But then both are on the
+        // cell at that instant, and one may contaminate the other.
         let earliest = |span: u32| {
             let from = self.spans[span as usize].from;
             let at_once = from.saturating_sub(1).max(since);
@@ -220,7 +221,7 @@ impl<'a> Router<'a> {
             && (search.query.is_gone || self.spans[node.span as usize].to == NEVER)
     }
 
-    /// The free spans of a cell for an agent that has met the first so many.
+    /// The free spans of a cell for an agent that has done `done` errands, as a range in `spans`.
     fn list(&mut self, search: &RouteSearch, bookings: &Bookings, cell: CellIndex, done: u32) -> (u32, u32) {
         let stage = search.stage(done);
         if let Some(known) = self.listed.get(&(cell, stage)) {
@@ -274,7 +275,7 @@ impl<'a> Router<'a> {
         }
     }
 
-    /// Adds a node with all errands done that can be done at once, unless a known one is no later.
+    /// Does all errands that can be done at once, then adds the node, unless a known node dominates it.
     fn enter(&mut self, search: &RouteSearch, bookings: &Bookings, mut node: RouteNode) {
         while node.done < search.last() {
             let errand = search.errand(node.done);
@@ -296,12 +297,12 @@ impl<'a> Router<'a> {
             let to = self.spans[node.span as usize].to;
             let from = node.at.max(search.begins(node.done));
             let at = match (errand.meets, search.query.waits[node.done as usize]) {
-                // Where it meets an agent it comes once, and stays until the other is there.
+                // Where it meets an agent it arrives once, and stays until the other one is there.
                 (Some(_), Some(since)) if node.at.max(since) < to => node.at.max(since),
                 (Some(_), None) if to == NEVER => node.at,
                 (Some(_), Some(_) | None) => return,
                 (None, _) if from.saturating_add(errand.stay) < to => from + errand.stay,
-                // What has just come is dispensed first.
+                // An agent that enters must be dispensed first.
                 (None, _) if search.query.comes && node.done == 0 => return,
                 (None, _) => break,
             };
@@ -326,8 +327,8 @@ impl<'a> Router<'a> {
         self.open.push(Reverse((total, node.in_the_way, ahead, Reverse(index))));
     }
 
-    /// The first instant of a span, from one on, from which on an agent can go round a loop for some steps. All of the loop is free for all
-    /// of that time, which is more than is needed.
+    /// The first instant from which an agent at the corner of a loop can follow it for `steps` steps. It requires all
+    /// cells of the loop to be free all that time, which is more than necessary.
     fn loop_window(
         &mut self,
         search: &RouteSearch,
@@ -352,7 +353,7 @@ impl<'a> Router<'a> {
         Some(from)
     }
 
-    /// The node at which an agent has been mixed, of one at the corner of its loop.
+    /// From a node at the corner of a mixing loop, the node after mixing.
     fn mixed(
         &mut self,
         search: &RouteSearch,
@@ -372,7 +373,8 @@ impl<'a> Router<'a> {
         Some(RouteNode { span, done, entered, at, ready, mixing, mixed: at, parent, ..*node })
     }
 
-    /// Adds the nodes at which an agent has been pulled apart, of one where that takes place: one for each free span of where it goes.
+    /// Adds the nodes after a split, from a node where it begins: one for each free span of the cell to which the
+    /// parent goes.
     fn split(
         &mut self,
         search: &RouteSearch,
@@ -385,7 +387,7 @@ impl<'a> Router<'a> {
         let comes = self.problem.instance.agents[split.child].start;
         let parent = self.nodes.len() as u32;
         self.nodes.push(*node);
-        // Whom it meets next keeps away until it has been pulled apart.
+        // An agent that it meets next keeps away until the split is done.
         let (first, end) = self.list(search, bookings, errand.stop, node.done);
         for span in first..end {
             let FreeSpan { from, to } = self.spans[span as usize];
@@ -403,8 +405,9 @@ impl<'a> Router<'a> {
         }
     }
 
-    /// The latest instant at which an agent that comes can be dispensed if it comes in the span of its first node: before, those that it
-    /// meets later keep away. Where it does more at once there, no later than it does.
+    /// The latest instant at which an entering agent can be dispensed in the span of its first node; before it has
+    /// been, the agents that it meets later keep away. If it does more errands there at once, no later than it does
+    /// them.
     fn latest_dispensed(&self, search: &RouteSearch, first: &RouteNode) -> u32 {
         let listed = self.listed.get(&(first.cell, search.stage(0))).filter(|_| first.done == 1);
         let spans = listed.map_or([].as_slice(), |(first, end)| &self.spans[*first as usize..*end as usize]);
@@ -418,7 +421,7 @@ impl<'a> Router<'a> {
         while let Some(node) = chain.last().filter(|node| node.parent != NONE) {
             chain.push(self.nodes[node.parent as usize]);
         }
-        // What comes does so no earlier than it must to leave when it does.
+        // An agent enters no earlier than it must to leave its start when it does.
         let (mut came, mut ready) = (since, chain[0].ready);
         if let ([.., next, first], true) = (chain.as_slice(), comes) {
             let idle = (next.entered - 1 - first.at).min(self.latest_dispensed(search, first) - first.at);
@@ -447,18 +450,18 @@ impl<'a> Router<'a> {
     }
 }
 
-/// A query with what it asks of each node.
+/// A query with the data that the search derives from it.
 struct RouteSearch<'q> {
     query: &'q RouteQuery<'q>,
     ahead: &'q Ahead,
     errands: &'q [Errand],
-    /// Steps from the end of each errand to the end of all.
+    /// Least steps from the end of each errand to the end of the course.
     rest: Vec<u32>,
-    /// The agents that wait where it meets them, in order, each with where.
+    /// The waiting agents that it meets, in order, each with the cell of the meeting.
     meetings: Vec<(usize, CellIndex)>,
-    /// By errands done: number of the meetings for which it is under way or over.
+    /// By errands done: number of `meetings` that are under way or over.
     met: Vec<usize>,
-    /// By errands done: a number for all of them with which it may go to the same cells at the same instants.
+    /// By errands done: the stage of the search. Within one stage, the same cells are free at the same instants.
     stages: Vec<u32>,
 }
 
@@ -487,7 +490,7 @@ impl<'q> RouteSearch<'q> {
         search
     }
 
-    /// What it contains with some errands of the query done, where traces matter.
+    /// Its contents after `done` errands of the query; `None` where traces do not matter.
     fn content(&self, problem: &AssayProblem, done: usize) -> Option<usize> {
         let contents = &problem.traces.as_ref()?.contents[self.query.agent];
         contents.get(self.query.first + done).copied()
@@ -497,7 +500,7 @@ impl<'q> RouteSearch<'q> {
         self.stages[done as usize]
     }
 
-    /// As whom it asks for free spans.
+    /// The view of the agent in which free spans are listed.
     fn asking(&self, problem: &AssayProblem, done: u32) -> Asking<'_> {
         let content = self.content(problem, done as usize);
         Asking {
@@ -517,12 +520,12 @@ impl<'q> RouteSearch<'q> {
         self.errands[index as usize]
     }
 
-    /// Where the course ends.
+    /// The last cell of the course.
     fn goal(&self) -> CellIndex {
         self.errands.last().map_or(self.query.start, |errand| errand.stop)
     }
 
-    /// The first instant at which an agent may come to a cell that is too near to the one that it has given off: that one goes first.
+    /// The first instant at which a parent may come too near to the start of its child; the child goes first.
     fn kept_until(&self, problem: &AssayProblem, node: &RouteNode, cell: CellIndex) -> u32 {
         let separation = problem.instance.separation;
         let last = node.done.checked_sub(1).and_then(|last| self.errand(last).splits);
@@ -535,13 +538,13 @@ impl<'q> RouteSearch<'q> {
         }
     }
 
-    /// The instant from which on the next errand may begin.
+    /// The instant from which the next errand may begin.
     fn begins(&self, done: u32) -> u32 {
         self.query.begins.get(done as usize).copied().unwrap_or(0)
     }
 
-    /// The first instant at which an agent may come to a cell: to its stop when it is no longer held back, and near where it meets another
-    /// next not before they may merge, since until then they keep apart.
+    /// The first instant at which an agent may enter a cell. It may enter its stop when that is no longer held back,
+    /// and cells near a meeting not before the two may merge, since until then they keep their separation.
     fn held_until(&self, problem: &AssayProblem, done: u32, cell: CellIndex) -> u32 {
         let Some(errand) = self.errands.get(done as usize) else { return 0 };
         let held = if cell == errand.stop { self.query.held[done as usize] } else { 0 };
@@ -553,7 +556,7 @@ impl<'q> RouteSearch<'q> {
         }
     }
 
-    /// Least steps from a cell to the end.
+    /// Least steps from a cell to the end of the course.
     fn ahead(&self, cell: CellIndex, done: u32) -> u32 {
         let index = done as usize;
         match self.errands.get(index) {

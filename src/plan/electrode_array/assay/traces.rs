@@ -1,6 +1,6 @@
-//! What agents leave on the cells to which they come, and to which of them it does harm.
+//! Traces that agents leave on the cells that they visit, and the contamination of other agents by them.
 //!
-//! Contents are numbered: what an agent is while it does one errand after the other is known beforehand, whatever the plan.
+//! Contents are numbered: the contents of an agent after each of its errands are known beforehand, whatever the plan.
 
 use super::{AgentCourse, AssayProblem, replay};
 use crate::plan::electrode_array::board::CellIndex;
@@ -8,15 +8,15 @@ use crate::plan::electrode_array::board::CellIndex;
 /// The contents of agents, by their numbers.
 #[derive(Debug, Clone)]
 pub struct Traces {
-    /// By agent and number of errands done, one more than it has errands.
+    /// By agent and number of errands done; one entry more than it has errands.
     pub contents: Vec<Vec<usize>>,
-    /// By content: whether it takes away what was left before, and leaves nothing.
+    /// By content: whether it is a wash, which removes traces and leaves none.
     pub washes: Vec<bool>,
-    /// By content that was left, and content that comes there: whether that is not to be.
+    /// By content left and content that arrives: whether the first contaminates the second.
     pub harms: Vec<Vec<bool>>,
 }
 
-/// An agent on a cell from an instant to another one, both included, with one content.
+/// A visit of an agent to a cell, both instants included, with one content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Touch {
     pub agent: usize,
@@ -26,7 +26,7 @@ pub struct Touch {
 }
 
 impl Traces {
-    /// The cells to which a course comes, each with how long it is there, in their order. `done_at` has the errands done so far.
+    /// The visits of a course to cells, in order. `done_at` has the instants of the errands done so far.
     pub fn touches(&self, agent: usize, course: &AgentCourse, done_at: &[u32]) -> Vec<(CellIndex, Touch)> {
         let contents = &self.contents[agent];
         let mut touches: Vec<(CellIndex, Touch)> = Vec::new();
@@ -44,7 +44,8 @@ impl Traces {
         touches
     }
 
-    /// The first agent of some touches of one cell, in their order, that comes to what others do harm with, or is there together with them.
+    /// The first agent that is contaminated among visits of one cell in order, by a trace or by an agent that is there
+    /// at the same time.
     fn harmed_here<'t>(&self, touches: impl Iterator<Item = &'t Touch>) -> Option<usize> {
         let mut left: Vec<&Touch> = Vec::new();
         for touch in touches {
@@ -55,7 +56,7 @@ impl Traces {
             if left.iter().any(|left| self.harms[left.content][touch.content]) {
                 return Some(touch.agent);
             }
-            // Who leaves as this one is dispensed is there with it.
+            // An agent that leaves the cell as this one is dispensed is there with it.
             let is_with = |other: &&&Touch| other.to >= touch.from && self.harms[touch.content][other.content];
             if let Some(other) = left.iter().find(is_with) {
                 return Some(other.agent);
@@ -65,21 +66,22 @@ impl Traces {
         None
     }
 
-    /// An agent that comes where another one does harm.
+    /// An agent that is contaminated; `None` if none is.
     pub fn harmed(&self, problem: &AssayProblem, courses: &[AgentCourse]) -> Option<usize> {
         let done_at = replay::done_by(problem, courses);
         let mut touches: Vec<(CellIndex, Touch)> = Vec::new();
         for (agent, (course, done_at)) in courses.iter().zip(&done_at).enumerate() {
             touches.extend(self.touches(agent, course, done_at));
         }
-        // What a wash takes away is gone at the instant at which it comes.
+        // A wash removes traces at the instant at which it arrives.
         touches.sort_by_key(|(cell, touch)| (*cell, touch.from, !self.washes[touch.content], touch.agent));
         let mut cells = touches.chunk_by(|(one, _), (other, _)| one == other);
         cells.find_map(|of_cell| self.harmed_here(of_cell.iter().map(|(_, touch)| touch)))
     }
 
-    /// Appends the instants `from..to` at which a content does not come to a cell: where others have left what does it harm, or come to
-    /// what it would leave. `touches` are those of the cell, in their order.
+    /// Appends the instants `from..to` at which a content may not visit a cell: others have left a trace that
+    /// contaminates it, or will be contaminated by the trace that it would leave. `touches` are the visits of the cell,
+    /// in order.
     pub fn append_closed(&self, touches: &[Touch], content: usize, closed: &mut Vec<(u32, u32)>) {
         if self.washes[content] {
             return;

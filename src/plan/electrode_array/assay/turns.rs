@@ -1,24 +1,26 @@
-//! Whose course is planned next, and from when on.
+//! Which agent's course is planned next, and from which instant on.
 //!
-//! Eager turns follow the list: whoever can go on does so as far as it can. Of many agents some then come, or go to where they meet, long
-//! before they are of use, and stand in the way of all others. Patient turns follow the time: next is who can go on first, what is to come
-//! does so when another waits for it, and who has to wait stays where it is until shortly before.
+//! Eager turns follow the list: an agent that can continue does so as far as it can. With many agents, some then enter,
+//! or go to a meeting, long before they are needed, and block all others. Patient turns follow time: the agent that can
+//! continue first is next; an agent enters when another one waits for it; and an agent that has to wait stays where it
+//! is until shortly before its time.
 
 use super::bookings::{Bookings, NEVER};
 use super::lists::{ListPlanner, Progress, TurnOrder};
 use super::route::{Course, RouteQuery};
 
-/// How long before its time, in steps beyond those that it needs, who waits sets off or comes: if it is late with the first, with the other.
+/// Steps, beyond the travel time, by which a waiting agent sets off or enters before its time. The second value is
+/// tried if it is late with the first.
 const EARLY: [u32; 2] = [100, 800];
 
-/// Within so many steps after its time it is not late: it gives way to the one that it meets.
+/// Steps after its time within which an agent is not late, since it gives way to the agent that it meets.
 const PUNCTUAL: u32 = 12;
 
-/// A shorter wait is left to the search.
+/// A shorter wait, in steps, is left to the search.
 const SHORT_WAIT: u32 = 200;
 
 impl ListPlanner<'_, '_> {
-    /// The agent that goes on next: of those that can, one whose turn it is where it goes to meet another, if there is one.
+    /// The agent that continues next: among those that can, preferably one whose turn it is at its next meeting.
     pub(super) fn next(&self, progress: &Progress, list: &[usize], turns: TurnOrder) -> Option<usize> {
         let can_go_on = || list.iter().copied().filter(|agent| self.can_go_on(progress, *agent));
         let mut in_turn = can_go_on().filter(|agent| self.is_in_turn(progress, *agent));
@@ -37,7 +39,8 @@ impl ListPlanner<'_, '_> {
             && (self.problem.parents[agent].is_none() || !progress.courses[agent].own.cells.is_empty())
     }
 
-    /// Whether the agent that another one meets next meets no third one before, and is not there already: then that one goes on first.
+    /// Whether the next meeting of an agent is also the next one of its partner, and the partner is not there already.
+    /// Otherwise the partner continues first.
     fn is_in_turn(&self, progress: &Progress, agent: usize) -> bool {
         let next_meeting = |agent: usize| {
             let waiting = usize::from(progress.courses[agent].ready.is_some());
@@ -48,7 +51,7 @@ impl ListPlanner<'_, '_> {
             .is_none_or(|other| next_meeting(other) == Some(agent) && !self.is_there_already(progress, other, agent))
     }
 
-    /// Whether an agent that does not wait yet is where it meets another one next.
+    /// Whether an agent is at its next meeting with another one, but does not wait there yet.
     fn is_there_already(&self, progress: &Progress, agent: usize, other: usize) -> bool {
         let next = self.problem.errands[agent].get(progress.done[agent]);
         let start = Some(self.problem.instance.agents[agent].start).filter(|_| !self.problem.comes[agent]);
@@ -57,7 +60,8 @@ impl ListPlanner<'_, '_> {
             && self.can_go_on(progress, agent)
     }
 
-    /// When an agent goes on, or another one waits for it; those that come and that nobody waits for yet are later.
+    /// Sort key: the instant at which an agent continues, or at which another one begins to wait for it. Agents that
+    /// enter and that nobody waits for yet come later.
     fn goes_on_at(&self, progress: &Progress, agent: usize) -> (bool, u32) {
         let (problem, own) = (self.problem, &progress.courses[agent].own);
         let begins = progress.begins(problem, agent, progress.done[agent]).unwrap_or(0);
@@ -74,11 +78,11 @@ impl ListPlanner<'_, '_> {
         }
     }
 
-    /// The course of a query that begins shortly before it is of use; where there is none, one that begins at once.
+    /// The course of a query that begins shortly before the agent is needed; if there is none, one that begins at once.
     pub(super) fn late_course(&mut self, query: RouteQuery, bookings: &Bookings) -> Option<Course> {
         let mut best: Option<Course> = None;
         if let Some((due, way)) = self.due(&query) {
-            // Until it sets off it has to be able to stay where it is.
+            // It must be able to stay where it is until it sets off.
             let free = if query.comes { NEVER } else { self.start_is_free_until(&query, bookings) };
             for early in EARLY {
                 let end = best.as_ref().map_or(u32::MAX, Course::end);
@@ -94,7 +98,7 @@ impl ListPlanner<'_, '_> {
             }
         }
         match best {
-            // It stays where it is before.
+            // It stays where it is before that.
             Some(course) if !query.comes => {
                 let stays = (query.since..course.since).map(|_| query.start);
                 let cells = stays.chain(course.cells.iter().copied()).collect();
@@ -105,8 +109,8 @@ impl ListPlanner<'_, '_> {
         }
     }
 
-    /// The instant at which an agent is to be where its first errand, or another agent, waits for it, and the steps until it is there;
-    /// `None` if it need not wait.
+    /// The instant at which an agent is due, because its first errand may begin or another agent waits for it, and its
+    /// steps until it is there. `None` if it need not wait.
     fn due(&self, query: &RouteQuery) -> Option<(u32, u32)> {
         let errands = &self.problem.errands[query.agent][query.first..];
         let waits = |place: usize| query.waits[place].unwrap_or(0).max(query.begins[place]);

@@ -1,20 +1,22 @@
-//! Shared channels: what the electrodes that a step of one agent switches on do to it and to others.
+//! Shared channels: how the electrodes that a step of one agent switches on act on that agent and on others.
 //!
-//! On a pin-constrained board a channel switches several electrodes. A step of an agent, a move or a rest that is held, needs the electrode
-//! of the cell at its end; all other electrodes of that channel that work are on with it. An electrode acts on an agent that stands on it or on one of
-//! the eight cells around it, before the step and after it. A step is possible if nothing that is on acts on its agent but the electrode at
-//! its end, and two steps go together if the same holds of both with the electrodes of both on. So there is a predicate of one step ([`SharedChannels::tears`])
-//! and one of two ([`SharedChannels::clash`]), and no more is needed for any number of agents. Droplets only; separation, which is 2 at
-//! least, sees to the electrodes at the ends themselves. Cost: a look at the twelve cells around a step, or at eighteen.
+//! On a pin-constrained board a channel switches several electrodes. A step of an agent, that is, a move or a rest that
+//! is held, needs the electrode of the cell at its end; all other working electrodes of that channel are on with it. An
+//! electrode acts on an agent that stands on it or on one of the eight cells around it, before or after the step. A
+//! step is possible if no electrode that is on acts on its agent except the one at its end. Two steps are compatible if
+//! the same holds for both agents with the electrodes of both steps on. So there is one predicate for a single step
+//! ([`SharedChannels::tears`]) and one for a pair ([`SharedChannels::clash`]), and no other is needed for any number of
+//! agents. Valid for droplets only; the separation, at least 2, takes care of the electrodes at the ends themselves.
+//! Cost: at most eighteen cells around a step are read.
 
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Hold};
 use fixedbitset::FixedBitSet;
 use std::sync::Arc;
 
-/// The flat index of an electrode, which is that of its cell.
+/// The flat index of an electrode, equal to that of its cell.
 type ElectrodeIndex = u32;
 
-/// Where an agent is before and after a step of the board.
+/// Cells of an agent before and after a step of the board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AgentStep {
     pub from: ElectrodeIndex,
@@ -22,39 +24,41 @@ pub struct AgentStep {
 }
 
 impl AgentStep {
-    /// A rest.
+    /// A step in which the agent stays.
     pub fn rest(at: ElectrodeIndex) -> AgentStep {
         AgentStep { from: at, to: at }
     }
 }
 
-/// A step, and the cell of the electrode that acts on its agent by intent besides that at its end: it is pulled apart.
+/// A step whose agent may be split: `meant` is the second electrode that acts on it on purpose, besides the one at its
+/// end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PulledStep {
     pub step: AgentStep,
     pub meant: Option<ElectrodeIndex>,
 }
 
-/// The shared channels of a board, and what the parts do to them that do not move.
+/// The shared channels of a board, and their restrictions by parts that do not move.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SharedChannels {
     width: u32,
-    /// By cell, the number of its shared channel, from 0; `None` where an electrode has its own or does not work.
+    /// By cell, the number of its shared channel, from 0; `None` where an electrode has a channel of its own or does
+    /// not work.
     numbers: Arc<Vec<Option<u32>>>,
     /// Whether the electrode under a resting agent is on.
     is_held: bool,
-    /// Parts that must not be pulled at all.
+    /// Cells of fixed parts, which must not be pulled at all.
     stuck: Vec<ElectrodeIndex>,
-    /// By channel: whether it must stay off, since it acts on a part that is stuck or stays.
+    /// By channel: whether it must stay off, since it acts on a part that is stuck or that stays.
     barred: FixedBitSet,
-    /// By channel: whether it is on all the time, since it holds a part that stays.
+    /// By channel: whether it is always on, since it holds a part that stays.
     held: FixedBitSet,
-    /// Those act on what is stuck or stays, so that the board can make no step at all.
+    /// Whether a channel is both held and barred, so that no step is possible on the board.
     is_torn: bool,
 }
 
 impl SharedChannels {
-    /// The channels of a board with parts that are stuck; `None` where each electrode has its own.
+    /// The channels of a board with stuck parts; `None` where each electrode has a channel of its own.
     pub fn of(facts: &ElectrodeArrayFacts, stuck: impl Iterator<Item = ElectrodeCell>) -> Option<SharedChannels> {
         let map = facts.map.as_ref().filter(|map| map.is_shared())?;
         let flat = |cell: ElectrodeCell| (cell.row - 1) * facts.columns + cell.column - 1;
@@ -69,7 +73,7 @@ impl SharedChannels {
         Some(SharedChannels { stuck, ..SharedChannels::new(facts.columns, numbers, facts.hold) }.with_standing(&[]))
     }
 
-    /// The channels of a board of some columns; by cell, the number of its shared channel.
+    /// The channels of a board with `width` columns; `numbers` has the shared channel of each cell.
     pub fn new(width: u32, numbers: Vec<Option<u32>>, hold: Hold) -> SharedChannels {
         let channels = numbers.iter().flatten().max().map_or(0, |most| *most as usize + 1);
         SharedChannels {
@@ -83,7 +87,7 @@ impl SharedChannels {
         }
     }
 
-    /// The same with parts that stay at some cells.
+    /// The same channels with parts that stay at some cells.
     #[must_use]
     pub fn with_standing(&self, standing: &[ElectrodeIndex]) -> SharedChannels {
         let mut same = self.clone();
@@ -99,7 +103,7 @@ impl SharedChannels {
         same
     }
 
-    /// Whether parts can rest at some cells together, and nothing else goes on.
+    /// Whether parts can rest together at some cells while nothing else moves.
     pub fn may_rest(&self, cells: &[ElectrodeIndex]) -> bool {
         !self.with_standing(cells).is_torn
     }
@@ -108,7 +112,7 @@ impl SharedChannels {
         self.numbers.get(cell as usize).copied().flatten().map(|number| number as usize)
     }
 
-    /// The electrodes that act on what is at a cell.
+    /// The electrodes that act on an agent at a cell.
     fn reach(&self, at: ElectrodeIndex) -> impl Iterator<Item = ElectrodeIndex> + use<> {
         let (column, row, width) = (at % self.width, at / self.width, self.width);
         let height = self.numbers.len() as u32 / width;
@@ -117,13 +121,14 @@ impl SharedChannels {
         rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
     }
 
-    /// Whether some channels act on an agent in a step by an electrode other than that to which it goes and those that are meant besides.
+    /// Whether channels that are on act on an agent in a step, other than by the electrode at its end and those in
+    /// `meant`.
     fn acts(&self, step: AgentStep, meant: [Option<ElectrodeIndex>; 2], is_on: impl Fn(usize) -> bool) -> bool {
         let mut reach = self.reach(step.from).chain(self.reach(step.to));
         reach.any(|cell| cell != step.to && !meant.contains(&Some(cell)) && self.number(cell).is_some_and(&is_on))
     }
 
-    /// The shared channel that a step has on.
+    /// The shared channel that a step switches on.
     fn on_in(&self, step: AgentStep) -> Option<usize> {
         let is_on = self.is_held || step.from != step.to;
         self.number(step.to).filter(|_| is_on)
@@ -134,7 +139,7 @@ impl SharedChannels {
         self.tears_pulled(PulledStep { step, meant: None })
     }
 
-    /// The same of an agent that may be pulled apart.
+    /// The same for an agent that may be split.
     pub fn tears_pulled(&self, pulled: PulledStep) -> bool {
         let PulledStep { step, meant } = pulled;
         let own = self.on_in(step);
@@ -143,23 +148,24 @@ impl SharedChannels {
             || self.acts(step, [meant, None], |number| Some(number) == own || self.held.contains(number))
     }
 
-    /// Whether two steps at the same time exclude each other: what is on for one acts on the agent of the other.
+    /// Whether two simultaneous steps exclude each other: an electrode that is on for one acts on the agent of the
+    /// other.
     pub fn clash(&self, one: AgentStep, other: AgentStep) -> bool {
         let [one, other] = [one, other].map(|step| PulledStep { step, meant: None });
         self.clash_pulled(one, other)
     }
 
-    /// The same of agents that may be pulled apart.
+    /// The same for agents that may be split.
     pub fn clash_pulled(&self, one: PulledStep, other: PulledStep) -> bool {
         let disturbs = |one: AgentStep, other: PulledStep| {
             let own = self.on_in(one);
-            // The electrode to which the first goes itself is for the separation to keep away.
+            // The separation keeps the first agent's own electrode away from the other agent.
             own.is_some() && self.acts(other.step, [Some(one.to), other.meant], |number| Some(number) == own)
         };
         disturbs(one.step, other) || disturbs(other.step, one)
     }
 
-    /// Whether some steps go together.
+    /// Whether all of some steps are possible at the same time.
     pub fn go_together(&self, steps: &[PulledStep]) -> bool {
         let is_possible = |nth: usize| {
             let is_clear = |other: &PulledStep| !self.clash_pulled(steps[nth], *other);

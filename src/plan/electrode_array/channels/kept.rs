@@ -1,4 +1,4 @@
-//! Whether paths that were made without regard to shared channels keep their rule.
+//! Checks paths that ignore shared channels against their rule.
 
 use super::broadcast::{AgentStep, PulledStep};
 use crate::plan::electrode_array::board::{CellIndex, Instance, Paths, position};

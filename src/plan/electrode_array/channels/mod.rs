@@ -1,7 +1,7 @@
 //! Plans of a stage on a board with shared channels, under the rule of [`self::broadcast`].
 //!
-//! Reading order: `search` (plans and proofs), `prioritised` (a first plan, one agent after the other), `kept` (whether a plan that was made without
-//! regard to channels keeps the rule).
+//! Reading order: `search` (plans and proofs), `prioritised` (a first plan, one agent after the other), `kept` (whether
+//! a plan that ignores channels keeps the rule).
 
 pub mod broadcast;
 mod kept;

@@ -1,9 +1,9 @@
-//! A first plan under shared channels: one agent after the other, each around those before it.
+//! Prioritised planning under shared channels: a first plan, one agent after the other.
 //!
-//! Method: breadth first over the cells of one agent, instant by instant, past the paths of the agents before it (prioritised planning: M. Erdmann,
-//! T. Lozano-Pérez, "On multiple moving objects", Algorithmica 2, 1987), in several orders. Guaranteed: paths are legal; same input,
-//! same paths. Not guaranteed: that a plan is found, or a short one. Cost: one step of the meter for each tried move, for each agent
-//! before.
+//! Method: breadth-first search over the cells of one agent, instant by instant, around the paths of the agents before
+//! it (prioritised planning: M. Erdmann, T. Lozano-Pérez, "On multiple moving objects", Algorithmica 2, 1987), in
+//! several orders. Guaranteed: paths are legal; the same input gives the same paths. Not guaranteed: that a plan is
+//! found, or a short one. Cost: one step of the meter for each tried move, and one more for each agent before.
 
 use super::are_kept_by_paths;
 use super::broadcast::{AgentStep, SharedChannels};
@@ -13,10 +13,10 @@ use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use rustc_hash::FxHashSet;
 
-/// Orders that are tried.
+/// Number of orders tried.
 const ORDERS: usize = 24;
 
-/// The best plan of some orders, if one of them leads to any; none of more steps than the limit.
+/// The best plan over several orders; `None` if no order yields one within the limit on the steps.
 pub fn first(
     field: &ExactTables,
     channels: &SharedChannels,
@@ -49,7 +49,7 @@ pub fn first(
     best
 }
 
-/// The plan of an order.
+/// The plan of one order.
 fn in_order(field: &ExactTables, channels: &SharedChannels, order: &[usize], meter: &mut Meter) -> Option<Paths> {
     let mut turns = OrderedTurns { field, channels, known: Vec::with_capacity(order.len()) };
     for agent in order {
@@ -64,16 +64,16 @@ fn in_order(field: &ExactTables, channels: &SharedChannels, order: &[usize], met
 struct OrderedTurns<'a> {
     field: &'a ExactTables<'a>,
     channels: &'a SharedChannels,
-    /// The agents so far, with their paths.
+    /// The agents planned so far, with their paths.
     known: Vec<(usize, Vec<CellIndex>)>,
 }
 
 impl OrderedTurns<'_> {
-    /// The earliest path of an agent past those so far.
+    /// The earliest path of an agent around those planned so far.
     fn path(&self, agent: usize, meter: &mut Meter) -> Option<Vec<CellIndex>> {
         let end = self.known.iter().map(|(_, path)| path.len() - 1).max().unwrap_or(0);
         let may_outlast = self.may_outlast();
-        // By instant, the nodes that it can be at, each with the index of the one before.
+        // By instant, the nodes where it can be, each with the index of its predecessor.
         let mut layers: Vec<Vec<(StagedCell, usize)>> = vec![vec![(self.field.start(agent), 0)]];
         let mut settled: FxHashSet<StagedCell> = FxHashSet::default();
         loop {
@@ -98,7 +98,7 @@ impl OrderedTurns<'_> {
                     }
                 }
             }
-            // From then on nothing else changes, so that to come to a node once is enough.
+            // From this instant on the other agents rest, so reaching a node once is enough.
             if instant >= end {
                 settled.extend(met);
             }
@@ -109,7 +109,7 @@ impl OrderedTurns<'_> {
         }
     }
 
-    /// Whether the agents so far can stay at their goals while another goes on.
+    /// Whether the agents planned so far can stay at their goals while another one moves.
     fn may_outlast(&self) -> bool {
         let rest = |(_, path): &(usize, Vec<CellIndex>)| AgentStep::rest(path[path.len() - 1]);
         let rests: Vec<AgentStep> = self.known.iter().map(rest).collect();
@@ -120,7 +120,7 @@ impl OrderedTurns<'_> {
         (0..rests.len()).all(goes)
     }
 
-    /// Whether it is at its goal and can stay there over some instants.
+    /// Whether an agent is at its goal and can stay there during some instants.
     fn rests(&self, agent: usize, node: StagedCell, mut instants: std::ops::Range<usize>) -> bool {
         let cell = self.field.cell(node);
         node == self.field.goal(agent)
@@ -128,7 +128,7 @@ impl OrderedTurns<'_> {
                 .all(|instant| !self.channels.tears(AgentStep::rest(cell)) && self.fits(agent, [cell, cell], instant))
     }
 
-    /// Whether a step at an instant goes together with those of the agents so far.
+    /// Whether a step at an instant is compatible with those of the agents planned so far.
     fn fits(&self, agent: usize, [from, to]: [CellIndex; 2], instant: usize) -> bool {
         self.known.iter().all(|(other, path)| {
             let [theirs, next] = [instant, instant + 1].map(|instant| position(path, instant));

@@ -1,12 +1,13 @@
 //! Plans of a stage on a board with shared channels.
 //!
-//! Method: a first plan of one agent after the other ([`super::prioritised`]), then [`joint`], which searches all agents at once under the
-//! rule of channels. The other planners take no part: repair, large neighbourhoods and configurations move agents one at a time, or shift
-//! their moves in time, which the rule does not allow.
+//! Method: a first plan with one agent after the other ([`super::prioritised`]), then [`joint`], which searches all
+//! agents at once under the rule of channels. The other planners are not used: repair, large neighbourhoods and
+//! configurations move agents one at a time, or shift their moves in time, which the rule does not allow.
 //!
-//! Guaranteed: a plan is legal; bounds hold for every plan; "none" is a proof under the rule, by an agent alone or by all positions of some
-//! agents. Neither if the budget ends before. Cost: that of [`joint`]: two or three droplets are proven on a board of 100 cells, more where
-//! they are seldom in each other's way.
+//! Guaranteed: a plan is legal; bounds hold for every plan; "none" is a proof under the rule, for an agent alone or by
+//! exhausting the joint positions of some agents. If the budget ends first, the answer may be neither. Cost: that of
+//! [`joint`]: two or three droplets are solved with proof on a board of 100 cells, more where they seldom block each
+//! other.
 
 use super::broadcast::SharedChannels;
 use super::prioritised;
@@ -18,13 +19,14 @@ use crate::plan::electrode_array::fast;
 use crate::plan::electrode_array::joint::{self, JointAim, JointAnswer, NoJointPlan};
 use crate::plan::search::Meter;
 
-/// One part in this many of the budget goes to a first plan, to the figure that is not minimised, and to each try for a smaller set of
+/// 1/N of the remaining budget for a first plan, for the secondary figure, and for each try to find a smaller set of
 /// agents that exclude each other.
 const FIRST_SHARE: u64 = 8;
 const TIE_SHARE: u64 = 4;
 const BLAME_SHARE: u64 = 4;
 
-/// A plan within a limit on the steps if there is one, as [`crate::plan::electrode_array::portfolio::solve`] finds it where no channel is shared.
+/// Plans a stage, within a limit on the steps if there is one; the counterpart of
+/// [`crate::plan::electrode_array::portfolio::solve`] for shared channels.
 pub fn solve(
     instance: &Instance,
     channels: &SharedChannels,
@@ -69,7 +71,7 @@ impl PinnedSearch<'_> {
         (0..self.field.agents()).collect()
     }
 
-    /// A limit as the joint search takes it.
+    /// The limit in the type that the joint search takes.
     fn steps(limit: Option<u64>) -> Option<u32> {
         limit.map(|limit| u32::try_from(limit).unwrap_or(u32::MAX))
     }
@@ -121,7 +123,7 @@ impl PinnedSearch<'_> {
         }
     }
 
-    /// Of the plans with the steps of the best one, one with the least sum of costs, while that is quick.
+    /// Minimises the sum of costs among plans with the makespan of the best one, while that is quick.
     fn with_least_sum(mut self) -> BoardAnswer {
         let Some(best) = &self.best else { return self.held() };
         let costs = BoardCosts::of(best);
@@ -139,7 +141,7 @@ impl PinnedSearch<'_> {
         self.held()
     }
 
-    /// The plan held, if there is one, with the bounds.
+    /// The best known plan, if there is one, with the bounds.
     fn held(self) -> BoardAnswer {
         match self.best {
             Some(paths) => BoardAnswer::Found(BoardPlan { paths, bounds: self.bounds }),
@@ -157,7 +159,8 @@ impl PinnedSearch<'_> {
         }
     }
 
-    /// Agents that exclude each other whatever the rest do: all, without those that are not needed for that.
+    /// Agents that exclude each other, whatever the others do: all agents, without those that are found not to be
+    /// needed for that.
     fn blamed(&mut self) -> Vec<usize> {
         let mut agents = self.everyone();
         let (mut at, field) = (0, self.field);

@@ -28,8 +28,9 @@ impl Pins {
         (c - d).abs().max((r - s).abs()) <= 1
     }
 
-    /// By the definition: what is on is the union of the channels of all that move or are held; in the reach of each droplet only its own
-    /// electrode may be on, or that of the droplet with which it merges.
+    /// The rule by its definition: the electrodes that are on are those of the channels of all droplets that move or
+    /// are held; within the reach of each droplet only its own electrode may be on, or that of the droplet with which
+    /// it merges.
     fn allows(&self, instance: &Instance, from: &[CellIndex], to: &[CellIndex]) -> bool {
         let droplets: Vec<[CellIndex; 2]> = from
             .iter()
@@ -54,7 +55,7 @@ impl Pins {
             let partner = instance.merges.iter().find(|pair| pair.contains(&nth)).map(|[one, other]| one + other - nth);
             lit.iter().filter(|on| self.is_in_reach(from, **on) || self.is_in_reach(to, **on)).all(|on| {
                 let is_of_partner = partner.is_some_and(|partner| droplets[partner][1] == *on);
-                // What shares a channel with another that is on acts in its own right, whoever else needs it.
+                // An electrode that is on because it shares another one's channel counts, whoever needs it.
                 *on == to || (is_of_partner && !besides.contains(on))
             })
         };
@@ -62,7 +63,7 @@ impl Pins {
         (0..droplets.len()).all(of_droplet) && self.stuck.iter().all(spares)
     }
 
-    /// As the compiler has them, by way of the facts of a device.
+    /// The channels as the compiler has them, made from the facts of a device.
     fn channels(&self) -> Option<SharedChannels> {
         let place = |cell: CellIndex| ElectrodeCell::new(cell % self.width + 1, cell / self.width + 1);
         let map = ElectrodeMap {
@@ -86,7 +87,7 @@ impl Pins {
     }
 }
 
-/// Random numbers of channels on a board, some of them shared, and sometimes what does not move.
+/// Random channels on a board, some of them shared, and sometimes a part that does not move.
 fn pins(instance: &mut Instance, chance: &mut Chance) -> Pins {
     let (width, cells) = (instance.board.width(), instance.board.cells());
     let (pool, percent) = (2 + chance.below(6) as u32, 10 + chance.below(60));
@@ -146,7 +147,7 @@ fn shapes() -> Vec<Shape> {
     ]
 }
 
-/// Answers of the planner of boards against a plain search under the definition of the rule.
+/// Compares the answers of the board planner with a plain search under the definition of the rule.
 #[test]
 fn optima_and_impossibility_agree_with_a_plain_search_under_the_rule() {
     let mut chance = Chance(0x0919_5eed);
@@ -189,7 +190,7 @@ fn optima_and_impossibility_agree_with_a_plain_search_under_the_rule() {
     assert!(least("found") > 500 && least("torn") > 100 && least("blocked") > 30, "{met:?}");
 }
 
-/// Limits at the optimum and one below it.
+/// Checks limits at the optimum and one below it.
 fn within_limits(instance: &Instance, pins: &Pins, objective: BoardObjective, paths: &Paths) {
     let least = BoardCosts::of(paths).makespan;
     if objective == BoardObjective::SumOfCosts {
@@ -211,7 +212,7 @@ fn within_limits(instance: &Instance, pins: &Pins, objective: BoardObjective, pa
     assert_eq!(known[0], least);
 }
 
-/// Agents that are blamed have no plan without the others either, which only stand where they do no harm.
+/// Checks that blamed agents have no plan without the others either.
 fn blames(
     instance: &Instance,
     agents: &[usize],
@@ -227,7 +228,8 @@ fn blames(
     assert_eq!(least_by(&alone, objective, rule), None);
 }
 
-/// A bus of three phases: every third electrode shares a channel, and a droplet goes along it; so do several at a distance of three.
+/// A bus of three phases: every third electrode shares a channel, and a droplet can travel along it. So can several at
+/// the pitch of the bus.
 #[test]
 fn a_bus_of_three_phases_carries_droplets_at_its_pitch() {
     let bus = |starts: &[CellIndex], goals: &[CellIndex], phases: u32| {
@@ -243,13 +245,14 @@ fn a_bus_of_three_phases_carries_droplets_at_its_pitch() {
         BoardAnswer::Found(plan) => Some((BoardCosts::of(&plan.paths).makespan, plan.bounds.makespan)),
         BoardAnswer::Impossible(_) | BoardAnswer::GaveUp(_) => None,
     };
-    // One droplet: with three phases a step has no other electrode of its channel within reach of both ends; with two it has.
+    // One droplet: with three or four phases, no step has another electrode of its channel within reach of its ends;
+    // with two phases it has.
     assert_eq!(steps(&bus(&[0], &[11], 4)), Some((11, 11)));
     assert_eq!(steps(&bus(&[0], &[11], 3)), Some((11, 11)));
     assert_eq!(bus(&[0], &[11], 2), BoardAnswer::Impossible(NoBoardPlan::Torn { agent: 0, stop: 0 }));
-    // Several at the pitch of the bus go together.
+    // Several droplets at the pitch of the bus travel together.
     assert_eq!(steps(&bus(&[0, 4], &[3, 7], 4)), Some((3, 3)));
-    // At another distance they would tear each other.
+    // At another distance they would tear each other apart.
     let blocked = BoardAnswer::Impossible(NoBoardPlan::Blocked { agents: vec![0, 1] });
     assert_eq!(bus(&[0, 5], &[6, 11], 3), blocked);
 }

@@ -76,9 +76,9 @@ impl AgentConstraint {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OutOfSteps;
 
-/// The least cost at which an agent alone meets its constraints; `None` if it cannot. A* over nodes and instants; once the
-/// constraints no longer change, the instant is dropped from the state, so that the search is finite. One step for each node
-/// expanded.
+/// The least cost at which an agent alone meets its constraints; `None` if it cannot. A* over nodes and instants; once
+/// the constraints no longer change, the instant is dropped from the state, so that the search is finite. Charges one
+/// step for each expanded node.
 pub fn least_cost(
     field: &ExactTables,
     agent: usize,

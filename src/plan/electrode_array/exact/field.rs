@@ -1,7 +1,8 @@
 //! Tables that the exact searches share: the moves of each agent, and its distance to its goal through its stops.
 //!
-//! A single agent walks over nodes: a node is a cell and the number of stops visited, in one number, `stage * cells + cell`. The
-//! distances respect blocked cells and, where channels are shared, the steps that tear an agent; they are exact for an agent that is alone.
+//! A single agent walks over nodes: a node is a cell and the number of stops visited, in one number, `stage * cells +
+//! cell`. The distances respect blocked cells and, where channels are shared, steps that would tear an agent apart;
+//! they are exact for an agent that is alone.
 
 use crate::plan::electrode_array::board::{CellIndex, Instance};
 use crate::plan::electrode_array::channels::broadcast::AgentStep;
@@ -30,7 +31,7 @@ pub struct ExactTables<'a> {
     places: Vec<CellPlace>,
     /// The free neighbours of each cell, itself first; unused entries repeat the cell.
     steps: Vec<[CellIndex; 5]>,
-    /// The cells where no agent can rest, since their shared channels tear it.
+    /// Cells where no agent can rest, since shared channels would tear it apart there.
     restless: FixedBitSet,
     ways: Vec<AgentDistances>,
     /// For each pair, at `one * agents + other`: whether they merge.
@@ -51,7 +52,7 @@ struct AgentDistances {
 pub enum Closed {
     /// The tables would be too large.
     TooLarge,
-    /// Blocked cells cut this agent off from this of its stops.
+    /// Blocked cells cut this agent off from this stop.
     Stop { agent: usize, stop: usize },
 }
 
@@ -195,7 +196,7 @@ impl<'a> ExactTables<'a> {
         !self.restless.contains(self.cell(node) as usize)
     }
 
-    /// Whether two steps exclude each other since their channels are shared.
+    /// Whether two steps exclude each other because of shared channels.
     #[inline]
     pub fn clash(&self, one: [CellIndex; 2], other: [CellIndex; 2]) -> bool {
         let step = |[from, to]: [CellIndex; 2]| AgentStep { from, to };
@@ -224,7 +225,7 @@ impl<'a> ExactTables<'a> {
     }
 }
 
-/// A cell and those of its free neighbours that are taken; unused entries repeat the cell.
+/// A cell and those of its free neighbours that satisfy `is_taken`; unused entries repeat the cell.
 fn steps_at(instance: &Instance, cell: CellIndex, is_taken: impl Fn(CellIndex) -> bool) -> [CellIndex; 5] {
     let mut steps = [cell; 5];
     let taken = instance.board.neighbours(cell).filter(|beside| is_taken(*beside));
@@ -234,17 +235,17 @@ fn steps_at(instance: &Instance, cell: CellIndex, is_taken: impl Fn(CellIndex) -
     steps
 }
 
-/// What the distances to all stops are found with.
+/// Breadth-first search for the distances to all stops.
 struct Flooding {
-    /// The cells from which an agent comes to each.
+    /// By cell: the cells from which an agent can enter it.
     back: Vec<[CellIndex; 5]>,
-    /// The corners of the free cells, if they fill a rectangle in which nothing tears an agent.
+    /// The corners of the free cells, if they form a rectangle and channels are not shared.
     open: Option<[(u32, u32); 2]>,
     queue: Vec<CellIndex>,
 }
 
 impl Flooding {
-    /// Distances from a cell, counted from `first`.
+    /// Fills in the distances to a cell, counted from `first`.
     fn flood(&mut self, field: &ExactTables, from: CellIndex, first: u32, distances: &mut [u32]) {
         if let Some([low, high]) = self.open {
             let board = &field.instance.board;

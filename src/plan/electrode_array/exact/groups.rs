@@ -16,11 +16,11 @@ pub struct WantedBounds {
     pub least: u32,
     /// Latest arrival for everyone, or `ALWAYS`.
     pub most: u32,
-    /// Only sums of costs below this are of interest.
+    /// Only sums of costs below this matter.
     pub ceiling: u64,
 }
 
-/// One part in this many of the remaining budget goes to the first attempt at a group.
+/// 1/N of the remaining budget for the first attempt at a group.
 const FIRST_SHARE: u64 = 4;
 
 /// Searches for all agents of the field; equivalent to one search for all.
@@ -45,9 +45,9 @@ struct Group {
     bound: u64,
     /// An optimal plan, if found.
     paths: Option<Paths>,
-    /// Its first share of the budget did not suffice.
+    /// Whether its first share of the budget did not suffice.
     is_stuck: bool,
-    /// Its paths clash with no other group's.
+    /// Whether its paths clash with those of no other group.
     is_checked: bool,
 }
 
@@ -88,7 +88,7 @@ impl Groups<'_> {
         self.groups.iter().map(|group| group.bound).sum()
     }
 
-    /// Searches for one group; `true` if it has no plan of interest.
+    /// Searches for a plan of one group; returns `true` if it has none below the ceiling.
     fn solve(&mut self, index: usize, steps: u64, meter: &mut Meter) -> bool {
         let group = &self.groups[index];
         let outside: Vec<(usize, &[CellIndex])> = self
@@ -121,7 +121,7 @@ impl Groups<'_> {
         false
     }
 
-    /// The two first groups whose paths clash, the smaller index first, so that one cluster grows.
+    /// The first two groups whose paths clash, the smaller index first, so that one cluster grows.
     fn clashing(&mut self, meter: &mut Meter) -> Option<(usize, usize)> {
         let mut first: Option<(usize, usize)> = None;
         for one in (0..self.groups.len()).filter(|one| !self.groups[*one].is_checked).collect::<Vec<usize>>() {

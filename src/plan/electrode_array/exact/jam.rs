@@ -22,7 +22,7 @@ pub const MOST_MEMBERS: usize = 8;
 /// Bits of a place in the key of a tuple.
 const PLACE_BITS: u32 = 14;
 
-/// One of the agents of a joint search.
+/// A member of a joint search.
 pub struct Member<'a> {
     pub agent: usize,
     pub layers: Rc<MultiValueDecisionDiagram>,
@@ -35,9 +35,9 @@ pub struct Member<'a> {
 pub enum Jam {
     /// Compatible paths, in the order of the members.
     Free(Vec<Vec<CellIndex>>),
-    /// Proven: there are none of these costs.
+    /// Proven: there are no compatible paths of these costs.
     Stuck,
-    /// Too many tuples, or too large layers.
+    /// Not decided: too many tuples, too large layers, or the budget ran out.
     Unknown,
 }
 
@@ -87,8 +87,8 @@ pub fn search(field: &ExactTables, members: &[Member], meter: &mut Meter) -> Jam
     Jam::Stuck
 }
 
-/// Whether the layers prove that there is no plan in which everyone arrives within `steps` steps. Agents with the least time to spare come
-/// first, and those are left out for which the budget does not suffice.
+/// Whether the layers prove that there is no plan in which all agents arrive within `steps` steps. Agents with the
+/// least slack come first; agents for whose layers the budget does not suffice are left out.
 pub fn excludes(field: &ExactTables, steps: u32, meter: &mut Meter) -> bool {
     let mut agents: Vec<usize> = (0..field.agents()).collect();
     agents.sort_by_key(|agent| std::cmp::Reverse(field.least(*agent)));
@@ -108,10 +108,10 @@ fn key(instant: u32, places: &[u16]) -> u128 {
     places.iter().fold(u128::from(instant), |key, place| key << PLACE_BITS | u128::from(*place))
 }
 
-/// The layers after pruning.
+/// The layers after arc consistency, with their compatibility tables.
 struct Consistent {
     layers: Vec<Rc<MultiValueDecisionDiagram>>,
-    /// Indexed by the greater member, then by the smaller.
+    /// Indexed by the greater member, then by the smaller one.
     tables: Vec<Vec<CompatiblePairs>>,
 }
 
@@ -184,7 +184,8 @@ struct JamSearch<'a> {
 }
 
 impl JamSearch<'_> {
-    /// Tuples of the next instant that are compatible with the last of the trail; the one to be tried first comes last.
+    /// Tuples of the next instant that are compatible with the last tuple of the trail; the one to try first comes
+    /// last.
     fn followers(&mut self, instant: u32) -> Vec<Vec<u16>> {
         let here = &self.trail[self.trail.len() - 1];
         let mut partial: Vec<Vec<u16>> = vec![vec![]];

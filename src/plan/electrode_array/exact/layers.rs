@@ -53,8 +53,8 @@ impl CellExtent {
 }
 
 impl MultiValueDecisionDiagram {
-    /// The paths of an agent that meet its constraints and arrive exactly at `cost`, which must be reachable. One step for each
-    /// node.
+    /// The paths of an agent that meet its constraints and arrive exactly at `cost`, which must be reachable. Charges
+    /// one step for each node.
     pub fn new(
         field: &ExactTables,
         agent: usize,
@@ -158,7 +158,8 @@ impl MultiValueDecisionDiagram {
         &self.edges[self.edge_starts[node] as usize..self.edge_starts[node + 1] as usize]
     }
 
-    /// Number of nodes outside `ban`, and number of all nodes, in the layers that it concerns.
+    /// Number of nodes outside `ban`, and number of all nodes, in the layer with the fewest nodes outside while the ban
+    /// is in force.
     pub fn outside(&self, field: &ExactTables, ban: &Ban) -> (usize, usize) {
         let instants = ban.from..=ban.until.min(self.cost().max(ban.from));
         let counts = instants.map(|instant| {
@@ -168,7 +169,7 @@ impl MultiValueDecisionDiagram {
         counts.min().unwrap_or((1, 1))
     }
 
-    /// The path that conflicts with the fewest of `others`; among equals, the earlier in the layers.
+    /// The path that conflicts with the fewest of `others`; ties go to the node that comes earlier in its layer.
     pub fn best_path(&self, field: &ExactTables, agent: usize, others: &[(usize, &[CellIndex])]) -> Vec<CellIndex> {
         let cost = self.cost();
         let mut tolls = vec![0u32; self.nodes.len()];

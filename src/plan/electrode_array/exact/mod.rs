@@ -1,21 +1,25 @@
-//! Bounds, proofs and optimal plans for many parts on one board, or the proof that there is no plan.
+//! Proves bounds and finds optimal plans for many parts on one board, or proves that there is no plan.
 //!
-//! Problem: an [`Instance`], a [`BoardObjective`], and possibly a plan to be judged or improved. Methods, in this order:
+//! Problem: an [`Instance`], a [`BoardObjective`], and possibly a plan to be judged or improved. Methods, in this
+//! order:
 //!
 //! - The distances of the agents alone bound both costs; a plan that meets its bound is proven at once.
 //! - A small joint space is searched exhaustively ([`joint`]); that decides every question.
-//! - Without a plan, pairs of agents that cannot pass one another, whatever the others do, are sought in the pairs' joint space.
-//! - Conflict-based search on independent groups (`tree`, `groups`): for the sum of costs directly; for the makespan by testing
-//!   increasing numbers of steps, starting from the lower bound. Before that, pairs of agents often prove that a number is too small (`jam`).
-//! - Still without a plan: the joint space of all, as far as the budget allows.
+//! - Without a plan, the joint spaces of pairs are searched for agents that cannot pass one another, whatever the
+//!   others do.
+//! - Conflict-based search on independent groups (`tree`, `groups`): for the sum of costs directly; for the makespan by
+//!   testing increasing numbers of steps, starting from the lower bound. Before that, pairs of agents often prove that
+//!   a number is too small (`jam`).
+//! - Still without a plan: the joint space of all agents, as far as the budget allows.
 //!
-//! Guaranteed: bounds and reasons are proven, plans keep the rule, and everything ends within the budget. With an unlimited budget
-//! every instance would be decided. Not guaranteed: that a given budget suffices; that ties are broken by the other objective,
-//! except in small joint spaces when the makespan comes first; that the agents named by [`NoBoardPlan::Blocked`] are the fewest.
-//! Cost: exponential in the number of agents that meet in tight places, close to linear where few do.
+//! Guaranteed: bounds and reasons are proven, plans keep the rule, and everything ends within the budget. With an
+//! unlimited budget every instance would be decided. Not guaranteed: that a given budget suffices; that ties are broken
+//! by the other objective, except in small joint spaces when the makespan comes first; that the agents named by
+//! [`NoBoardPlan::Blocked`] are the fewest. Cost: exponential in the number of agents that meet in tight places, close
+//! to linear where few do.
 //!
-//! One step of the budget is one node of one agent's search or of its layers, or one move tried in a joint space; memory stays
-//! below some 50 bytes a step.
+//! One step of the budget is one node of one agent's search or of its layers, or one move tried in a joint space;
+//! memory stays below some 50 bytes a step.
 
 mod cover;
 mod demand;
@@ -41,25 +45,24 @@ use tree::End;
 /// Joint spaces with at most this many states are searched exhaustively.
 const SMALL: u64 = 1 << 20;
 
-/// A search of a small joint space leaves one part in this many of the remaining budget to the other methods.
+/// 1/N of the remaining budget is left to the other methods by a search of a small joint space.
 const JOINT_SHARE: u64 = 4;
 
-/// One part in this many of the remaining budget goes to all pairs that may block; each pair gets one part in this many of what
-/// remains of that.
+/// 1/N of the remaining budget for all pairs that may block; each pair gets 1/N of what remains of that.
 const PAIRS_SHARE: u64 = 2;
 const PAIR_SHARE: u64 = 2;
 
-/// Moves that are tried to find out, for a picture, how far agents without a plan come.
+/// Budget, in moves tried, for the cells that agents without a plan reach; they are shown in a picture.
 const REACH_BUDGET: SearchBudget = SearchBudget::of(4_000_000);
 
-/// Without an incumbent, one part in this many of the remaining budget goes to the main search, which may not end because there may
-/// be no plan.
+/// 1/N of the remaining budget for the main search if there is no incumbent, since that search may not end if there is
+/// no plan.
 const OPEN_SHARE: u64 = 2;
 
-/// One part in this many of the remaining budget goes to a better sum of costs at the least makespan.
+/// 1/N of the remaining budget for a better sum of costs at the least makespan.
 const POLISH_SHARE: u64 = 4;
 
-/// One part in this many of the remaining budget goes to proofs by pairs that a number of steps is too small.
+/// 1/N of the remaining budget for proofs by pairs that a number of steps is too small.
 pub const RAISE_SHARE: u64 = 64;
 
 /// Proves as much as the budget allows: improves the bounds and the incumbent until they meet, or proves that there is no plan.
@@ -84,7 +87,8 @@ pub fn prove(
     }
 }
 
-/// Searches only a small joint space: the answer as in [`prove`], and whether it is final.
+/// Searches only a small joint space. Returns the answer as [`prove`] does, and whether it is final; `None` if some
+/// agent is cut off or the tables are too large.
 pub fn small(
     instance: &Instance,
     objective: BoardObjective,
@@ -102,16 +106,18 @@ pub fn small(
     }
 }
 
-/// A lower bound on the makespan: a known one, raised step by step where pairs of agents prove that nobody keeps it, up to `most` steps.
+/// A lower bound on the makespan: `known`, raised by one step at a time while pairs of agents prove that no plan keeps
+/// it, up to `most`.
 pub fn raised(instance: &Instance, known: u64, most: u64, meter: &mut Meter) -> u64 {
     let Ok(field) = ExactTables::new(instance) else { return known };
     let is_excluded = |steps: &u64| u32::try_from(*steps).is_ok_and(|steps| jam::excludes(&field, steps, meter));
     known + (known..most).take_while(is_excluded).count() as u64
 }
 
-/// The cells that each of some agents without a plan comes to while they keep apart, by agent; `None` where that is too much to visit.
+/// The cells that each of some agents without a plan reaches while they keep apart, by agent; `None` if there are too
+/// many joint positions, or channels are shared.
 pub fn reached(instance: &Instance, agents: &[usize]) -> Option<Vec<Vec<CellIndex>>> {
-    // With shared channels agents come elsewhere when they move at once than in turns.
+    // With shared channels, agents that move at once reach other cells than agents that move in turn.
     let field = ExactTables::new(instance).ok().filter(|_| instance.board.channels().is_none())?;
     joint::reached(&field, agents, &mut Meter::new(REACH_BUDGET))
 }
@@ -141,11 +147,11 @@ struct Prover<'a, 'm> {
     limit: Option<u32>,
     bounds: BoardCosts,
     meter: &'m mut Meter,
-    /// Once there is a plan.
+    /// Progress display; `None` until there is a plan.
     held: Option<HeldBoardPlan>,
 }
 
-/// How a proof ends.
+/// Outcome of a proof.
 enum ProofEnd {
     /// The best plan meets its bound.
     Proven,
@@ -223,7 +229,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         }
     }
 
-    /// Tells who watches of the best plan, and of the bounds.
+    /// Updates the progress display.
     fn tell(&mut self) {
         let Some(costs) = self.best.as_ref().map(BoardCosts::of) else { return };
         match &mut self.held {
@@ -344,7 +350,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         self.spend(steps, |field, meter| joint::search(field, &group, aim, meter))
     }
 
-    /// A pair that cannot pass one another.
+    /// A pair of agents that cannot pass one another.
     fn blocked_pair(&mut self) -> Option<Vec<usize>> {
         let steps = self.meter.left().steps / PAIRS_SHARE;
         self.spend(steps, |field, meter| {
@@ -361,12 +367,13 @@ impl<'a, 'm> Prover<'a, 'm> {
         })
     }
 
-    /// Runs a search on a part of the budget.
+    /// Runs a search with a share of the budget.
     fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&ExactTables, &mut Meter) -> T) -> T {
         self.meter.share(steps, |meter| search(self.field, meter))
     }
 
-    /// A small group without a plan: agents are dropped one by one while the rest still has none.
+    /// A subset without a plan that is as small as this finds: agents are dropped one by one while the rest still has
+    /// none.
     fn blocked_among(&mut self, mut agents: Vec<usize>) -> NoBoardPlan {
         let mut place = 0;
         while place < agents.len() && agents.len() > 2 {
@@ -455,7 +462,8 @@ impl<'a, 'm> Prover<'a, 'm> {
         }
     }
 
-    /// There is no plan within the limit: finds how many steps suffice, as far as the budget allows.
+    /// Reports that there is no plan within the limit. Searches for the number of steps that suffices, as far as the
+    /// budget allows.
     fn too_few_steps(&mut self) -> ProofEnd {
         let past_limit = u64::from(self.limit.unwrap_or(0)) + 1;
         self.bounds.makespan = self.bounds.makespan.max(past_limit);

@@ -1,4 +1,4 @@
-//! Whether two agents can take paths of given costs together, and from which places on.
+//! Compatibility of two agents with paths of given costs: the pairs of places from which both can still arrive.
 
 use super::field::{CellPlace, ExactTables};
 use super::layers::MultiValueDecisionDiagram;
@@ -89,8 +89,9 @@ impl CompatiblePairs {
 
 /// Compatible nodes of two agents between an instant and the next.
 struct PairGap {
-    /// Rows by node of the first agent, bits by node of the second that is not too near: both nodes at the instant, the second at
-    /// the next, the first at the next, and both at the next.
+    /// Rows by node of the first agent; set bits are the nodes of the second agent that are not too near. Both nodes
+    /// are at the instant (`now`); the second is at the next (`now_later`); the first is at the next (`later_now`);
+    /// both are at the next (`later`).
     now: Vec<FixedBitSet>,
     now_later: Vec<FixedBitSet>,
     later_now: Vec<FixedBitSet>,
@@ -146,7 +147,7 @@ impl PairGaps {
         table
     }
 
-    /// Of the live pairs after an instant, those reachable from pairs at it.
+    /// The live pairs after an instant that are reachable from pairs at the instant.
     fn reached(
         &self,
         one: PairSide,

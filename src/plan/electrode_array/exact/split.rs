@@ -1,4 +1,4 @@
-//! Clashes of two paths, and the branching on them: pairs of constraints of which every plan meets at least one.
+//! Clashes of two paths, and branching on them: sets of constraints such that every plan meets at least one of them.
 
 use super::demand::{ALWAYS, AgentConstraint, Ban};
 use super::field::{CellPlace, ExactTables};
@@ -48,7 +48,8 @@ pub fn by_cost(first: Party, second: Party, first_least: u32) -> [ConstraintBran
     [vec![(second.member, second_rises)], vec![(first.member, first_rises), (second.member, second_stays)]]
 }
 
-/// Split of several agents that are not all compatible at their costs: one of them rises, and those before it do not.
+/// Split of several agents that are not all compatible at their costs: in each branch, the cost of one rises and the
+/// costs of those before it do not.
 pub fn by_costs<'a>(parties: impl Iterator<Item = Party<'a>>) -> Vec<ConstraintBranch> {
     let mut unchanged: ConstraintBranch = vec![];
     let mut branches = vec![];
@@ -61,9 +62,10 @@ pub fn by_costs<'a>(parties: impl Iterator<Item = Party<'a>>) -> Vec<ConstraintB
     branches
 }
 
-/// One agent stays on its goal for good while the other passes: it arrives later, or the other keeps away from then on (compare the
-/// target reasoning of Li, Harabor, Stuckey, Ma, Gange, Koenig, "Pairwise symmetry reasoning for multi-agent path finding search",
-/// Artificial Intelligence 301, 2021).
+/// Split where one agent stays on its goal for good while the other passes: either it arrives later, or the other keeps
+/// away from then on (compare the target reasoning of Li, Harabor, Stuckey, Ma, Gange, Koenig, "Pairwise symmetry
+/// reasoning for multi-agent path finding search", Artificial Intelligence 301, 2021). `None` if neither agent has
+/// arrived for good.
 pub fn at_goal(field: &ExactTables, parties: [Party; 2], clash: Clash) -> Option<[ConstraintBranch; 2]> {
     let standing = (0..2).find(|side| clash.instants[*side] >= parties[*side].layers.cost())?;
     let (still, passing) = (parties[standing], parties[1 - standing]);
@@ -82,8 +84,9 @@ pub fn at_goal(field: &ExactTables, parties: [Party; 2], clash: Clash) -> Option
     Some([vec![(still.member, later)], vec![(still.member, by_then), (passing.member, with(passing.demand, zone))]])
 }
 
-/// Split by a box as wide and as high as the separation and two instants long: any two positions in it are too near, so at most one
-/// of the two agents enters it. Returns the branches and how much of their paths they keep; less is better.
+/// Split by a box as wide and as high as the separation and two instants long: any two positions in it are too near, so
+/// at most one of the two agents enters it. Returns the branches, and how much of their paths the agents keep; less is
+/// better.
 pub fn by_box(field: &ExactTables, parties: [Party; 2], clash: Clash) -> (Leaves, [ConstraintBranch; 2]) {
     let boxes = boxes(field, parties, clash);
     let (leaves, ban) = boxes
@@ -120,7 +123,8 @@ fn boxes<'a>(field: &'a ExactTables, parties: [Party; 2], clash: Clash) -> impl 
     })
 }
 
-/// Paths that a box leaves the two agents: how many of them have any left, and the shares of nodes in thousandths.
+/// What a box leaves of the paths of the two agents: the number of agents with any path left, and the sum of their
+/// shares of nodes left, in thousandths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Leaves {
     with_ways: usize,

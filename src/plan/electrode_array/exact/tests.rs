@@ -24,7 +24,7 @@ fn tiny() -> Vec<Shape> {
     ]
 }
 
-/// The search by groups against plain searches, on instances small enough for them.
+/// Compares the search by groups with plain searches, on instances small enough for them.
 #[test]
 fn conflict_based_search_agrees_with_plain_searches() {
     let mut chance = Chance(0xc0ffee);
@@ -67,7 +67,7 @@ fn conflict_based_search_agrees_with_plain_searches() {
     assert!(compared > 120, "{compared}");
 }
 
-/// Pairs never exclude a number of steps that a plain search keeps, and exclude many of those that it does not.
+/// Pairs never exclude a number of steps within which a plain search finds a plan, and exclude many of the others.
 #[test]
 fn steps_excluded_by_pairs_agree_with_plain_searches() {
     let mut chance = Chance(0xbead);
@@ -193,7 +193,7 @@ fn the_pair_that_cannot_pass_is_named_and_no_one_else() {
         drawn(&["..........", "##########", ".........."], 1, &[((0, 2), (9, 2)), ((0, 0), (9, 0)), ((9, 0), (0, 0))]);
     let answer = prove(&instance, BoardObjective::Makespan, None, None, &mut meter());
     assert_eq!(answer, BoardAnswer::Impossible(NoBoardPlan::Blocked { agents: vec![1, 2] }));
-    // With a bay they can.
+    // With a bay they can pass.
     let instance =
         drawn(&["..........", "####.#####", ".........."], 1, &[((0, 2), (9, 2)), ((0, 0), (9, 0)), ((9, 0), (0, 0))]);
     let answer = prove(&instance, BoardObjective::Makespan, None, None, &mut meter());
@@ -205,10 +205,11 @@ fn what_agents_reach_that_cannot_pass_ends_before_one_another() {
     let corridor = [((0, 0), (9, 0)), ((9, 0), (0, 0))];
     let instance = drawn(&[".........."], 1, &corridor);
     assert_eq!(reached(&instance, &[0, 1]), Some(vec![(0..=8).collect(), (1..=9).collect()]));
-    // At a distance of three, a cell at each end is taken by nobody but the one that starts there.
+    // At a separation of three, each agent's own end of the corridor can only be reached by the agent that starts
+    // there.
     let instance = drawn(&[".........."], 3, &corridor);
     assert_eq!(reached(&instance, &[1, 0]), Some(vec![(3..=9).collect(), (0..=6).collect()]));
-    // Those that can pass have a plan, and no such proof.
+    // Agents that can pass have a plan, and so no such proof.
     let instance = drawn(&["..........", "####.#####"], 1, &[((0, 1), (9, 1)), ((9, 1), (0, 1))]);
     assert_eq!(reached(&instance, &[0, 1]), None);
 }

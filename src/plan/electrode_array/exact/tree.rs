@@ -29,9 +29,9 @@ pub struct ConstraintTreeTask<'a> {
     pub group: &'a [usize],
     /// No arrival counts before this instant.
     pub least: u32,
-    /// Latest arrival for everyone, or `ALWAYS`.
+    /// Latest arrival of all agents, or `ALWAYS`.
     pub most: u32,
-    /// Only sums of costs below this are of interest.
+    /// Only sums of costs below this matter.
     pub ceiling: u64,
     /// Known lower bound on the sum of costs.
     pub floor: u64,
@@ -50,10 +50,10 @@ pub enum End {
     GaveUp { bound: u64 },
 }
 
-/// Joint cost rises of a pair are computed up to this.
+/// Joint cost increases of a pair are computed up to this.
 const MOST_RISE: u32 = 2;
 
-/// Longest wait that is tried for one of a pair alone before the other's cost rises too.
+/// Longest wait that is tried for one agent of a pair before the other's cost rises too.
 const FARTHEST_WAIT: u32 = 8;
 
 /// Clashes of a pair that are compared for the best split.
@@ -65,13 +65,13 @@ const MOST_TABLE_WORDS: usize = 1 << 22;
 /// Diagrams at raised costs that are cached.
 const MOST_WAITS: usize = 256;
 
-/// Nodes of layers per step when a path is chosen.
+/// Nodes of layers per budget step when a path is chosen.
 const NODES_A_STEP: u64 = 4;
 
-/// Positions per step when two paths are compared.
+/// Positions per budget step when two paths are compared.
 const POSITIONS_A_STEP: u64 = 16;
 
-/// Rounds of choosing the paths of a node again.
+/// Rounds in which the paths of a node are chosen again.
 const POLISHING_ROUNDS: usize = 2;
 
 /// Runs the search; one step of the budget is one expanded node of an agent's own search or of its layers.
@@ -96,7 +96,7 @@ pub fn search(task: ConstraintTreeTask, meter: &mut Meter) -> End {
 
 /// Plan of one agent in a tree node.
 struct AgentPlan {
-    /// Unique.
+    /// Unique number of the plan.
     id: u32,
     demand: AgentConstraint,
     layers: Rc<MultiValueDecisionDiagram>,
@@ -108,7 +108,7 @@ struct ConstraintNode {
     paths: Vec<Rc<Vec<CellIndex>>>,
     /// Pairs of members whose paths clash, the smaller first.
     clashing: Vec<[usize; 2]>,
-    /// Lower bound on the sum of costs of plans that meet the constraints.
+    /// Lower bound on the sum of costs of all plans that meet the constraints.
     bound: u64,
 }
 
@@ -116,16 +116,16 @@ struct ConstraintTree<'a, 'm> {
     task: ConstraintTreeTask<'a>,
     meter: &'m mut Meter,
     nodes: Vec<Option<ConstraintNode>>,
-    /// Open list, by bound, then by clashes, then the newest.
+    /// Open list, ordered by bound, then number of clashes, then newest first.
     open: BinaryHeap<Reverse<(u64, usize, Reverse<usize>)>>,
-    /// By the ids of two plans: least rise of their joint costs.
+    /// By the ids of two plans: least increase of their joint cost.
     rises: FxHashMap<[u32; 2], u32>,
-    /// Diagrams of a plan at a raised cost.
+    /// By plan id and cost increase: the diagram at the raised cost.
     waits: FxHashMap<(u32, u32), Rc<MultiValueDecisionDiagram>>,
-    /// By the ids of two plans.
+    /// By the ids of two plans: their compatibility table.
     tables: FxHashMap<[u32; 2], Rc<CompatiblePairs>>,
     table_words: usize,
-    /// By the ids of some plans: they are incompatible, or it is not known.
+    /// By the ids of some plans: whether they are incompatible, or unknown.
     jams: FxHashMap<Vec<u32>, Jam>,
     ids: u32,
 }
@@ -247,7 +247,7 @@ impl ConstraintTree<'_, '_> {
         }
     }
 
-    /// The bound of a node, raised by its clashing pairs.
+    /// The bound of a node, raised by the cost increases of its clashing pairs.
     fn raised(&mut self, node: &ConstraintNode) -> Result<u64, OutOfSteps> {
         let sum: u64 = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
         let mut edges = vec![];
@@ -257,7 +257,7 @@ impl ConstraintTree<'_, '_> {
         Ok(node.bound.max(sum + u64::from(least_rise(&edges))))
     }
 
-    /// Least rise of the joint costs of a pair, up to one more than [`MOST_RISE`].
+    /// Least increase of the joint cost of a pair, up to one more than [`MOST_RISE`].
     fn rise(&mut self, node: &ConstraintNode, pair: [usize; 2]) -> Result<u32, OutOfSteps> {
         let key = pair.map(|member| node.plans[member].id);
         if let Some(rise) = self.rises.get(&key) {
@@ -362,7 +362,7 @@ impl ConstraintTree<'_, '_> {
         Ok(children)
     }
 
-    /// The clashing pair with the greatest rise, if any pair's costs rise.
+    /// The clashing pair with the greatest cost increase; `None` if no pair's costs rise.
     fn worst_pair(&mut self, node: &ConstraintNode) -> Result<Option<[usize; 2]>, OutOfSteps> {
         let mut worst = (0, None);
         for pair in &node.clashing {
@@ -374,7 +374,8 @@ impl ConstraintTree<'_, '_> {
         Ok(worst.1)
     }
 
-    /// Every pair of clashing agents is compatible: so all of them may be, or some larger set is not.
+    /// Successors of a node in which every clashing pair is compatible: all of its members together may be compatible
+    /// too, or some larger set is not.
     fn jam_successors(&mut self, node: &mut ConstraintNode) -> Result<Vec<ConstraintNode>, OutOfSteps> {
         let mut members: Vec<usize> = node.clashing[0].to_vec();
         loop {
@@ -453,7 +454,7 @@ impl ConstraintTree<'_, '_> {
         found
     }
 
-    /// Drops members one by one while the rest is still stuck.
+    /// Drops members one by one while the rest is still incompatible.
     fn fewest_stuck(&mut self, node: &ConstraintNode, mut members: Vec<usize>) -> Vec<usize> {
         let mut place = 0;
         while place < members.len() && members.len() > 2 {
@@ -480,14 +481,15 @@ impl ConstraintTree<'_, '_> {
         Ok(split::by_cost(first, second, first.layers.cost() + alone[longer]))
     }
 
-    /// The least rise of one of a pair alone at which the two are compatible, up to one more than [`FARTHEST_WAIT`]. A higher cost
-    /// allows all the shorter paths too, so compatibility is monotone and bisection is valid.
+    /// The least cost increase of one agent of a pair alone at which the two are compatible, up to one more than
+    /// [`FARTHEST_WAIT`]. A higher cost allows all the shorter paths too, so compatibility is monotone and bisection is
+    /// valid.
     fn wait_alone(&mut self, node: &ConstraintNode, pair: [usize; 2], side: usize) -> Result<u32, OutOfSteps> {
         let plan = &node.plans[pair[side]];
         let farthest = FARTHEST_WAIT.min(plan.demand.most - plan.layers.cost());
         let (mut fails, mut goes) = (0, farthest + 1);
         while goes - fails > 1 {
-            // The farthest first: if that fails, nothing else needs a try.
+            // The greatest increase first: if that fails, no other needs a try.
             let middle = if goes > farthest { farthest } else { fails.midpoint(goes) };
             let rises = if side == 0 { [middle, 0] } else { [0, middle] };
             if self.goes(node, pair, rises)? {
@@ -499,7 +501,7 @@ impl ConstraintTree<'_, '_> {
         Ok(goes)
     }
 
-    /// The box that leaves the fewest paths to the agents of one of some clashing pairs.
+    /// The box that leaves the fewest paths to the agents, over all clashes considered of some clashing pairs.
     fn best_box(&self, node: &ConstraintNode, pairs: &[[usize; 2]]) -> Option<(split::Leaves, [ConstraintBranch; 2])> {
         pairs.iter().flat_map(|pair| self.box_splits(node, *pair)).min_by_key(|(leaves, _)| *leaves)
     }

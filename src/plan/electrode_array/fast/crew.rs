@@ -15,12 +15,12 @@ pub(super) struct PlannedInstance<'a> {
     pub(super) random: SplitMix64,
     /// Latest arrival of an agent.
     pub(super) step_limit: u32,
-    /// By agent: the steps that it needs when alone.
+    /// By agent: its steps when alone.
     pub(super) least: Vec<u32>,
     distances: Distances,
     sipp: Sipp,
     partners: Vec<Vec<u32>>,
-    /// What soft conflicts cost.
+    /// Costs of soft conflicts.
     pub(super) weights: ConflictWeights,
 }
 
@@ -28,20 +28,20 @@ pub(super) struct PlannedInstance<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wish {
     pub(super) others: Others,
-    /// Instants that one unit of soft cost is worth.
+    /// Value of one unit of conflict cost, in instants.
     pub(super) weight: u32,
     /// Extra weight of the heuristic, see [`Query::haste`].
     pub(super) haste: u32,
     /// Latest arrival.
     pub(super) limit: u32,
-    /// It stays on its start until this instant.
+    /// The agent stays on its start until this instant.
     pub(super) delay: u32,
     /// A cell to visit before its stops.
     pub(super) detour: Option<CellIndex>,
 }
 
 impl<'a> PlannedInstance<'a> {
-    /// Fails where an agent alone cannot reach one of its stops.
+    /// The error is an agent that cannot reach one of its stops even alone.
     pub(super) fn new(
         instance: &'a Instance,
         seed: u64,
@@ -72,7 +72,7 @@ impl<'a> PlannedInstance<'a> {
         self.instance.agents.len()
     }
 
-    /// A path of one agent, whose own path must not be in the table.
+    /// Plans a path of one agent, whose own path must not be in the table.
     pub(super) fn plan(&mut self, agent: usize, wish: Wish, meter: &mut Meter) -> Option<Vec<CellIndex>> {
         let it = &self.instance.agents[agent];
         let stops = wish.detour.iter().chain(&it.stops);
@@ -107,7 +107,7 @@ impl<'a> PlannedInstance<'a> {
         found
     }
 
-    /// A random shortest path of one agent without the others.
+    /// A random shortest path of one agent, ignoring the others.
     pub(super) fn alone(&mut self, agent: usize, meter: &mut Meter) -> Vec<CellIndex> {
         let it = &self.instance.agents[agent];
         let mut path = vec![it.start];
@@ -136,7 +136,7 @@ impl<'a> PlannedInstance<'a> {
     }
 }
 
-/// By agent: the steps that it needs when alone.
+/// By agent: its steps when alone.
 pub(super) fn individual(
     instance: &Instance,
     distances: &mut Distances,

@@ -1,17 +1,18 @@
-//! Plans of many agents, found fast and improved: the half of the planner that proves nothing but its simple bounds.
+//! Finds plans of many agents fast and improves them. It proves nothing but simple bounds.
 //!
 //! Problem: agents on a grid that all move at the same time, each through its stops to its goal, with separation kept
-//! ([`super::board`]). Method: prioritised planning with safe intervals (Phillips and Likhachev, ICRA 2011); where no order works,
-//! repair of conflicting paths (MAPF-LNS2: Li and others, AAAI 2022); then large-neighbourhood search (MAPF-LNS: Li and others,
-//! IJCAI 2021).
+//! ([`super::board`]). Method: prioritised planning with safe intervals (Phillips and Likhachev, ICRA 2011); where no
+//! order works, repair of conflicting paths (MAPF-LNS2: Li and others, AAAI 2022); then large-neighbourhood search
+//! (MAPF-LNS: Li and others, IJCAI 2021).
 //!
-//! Guaranteed: every plan is legal; [`improve`] never returns a worse one; [`bounds`] are lower bounds on every plan; the same
-//! input, seed and budget give the same plan. Not guaranteed: that a plan is found where there is one, or an optimum. Where there
-//! is no plan the search ends with its meter.
+//! Guaranteed: every plan is legal; [`improve`] never returns a worse one; [`bounds`] are lower bounds on every plan;
+//! the same input, seed and budget give the same plan. Not guaranteed: that a plan is found where there is one, or an
+//! optimum. Where there is no plan the search ends with its meter.
 //!
-//! Cost: one step of the meter is one expanded node of the search of one agent, one round of repair or improvement, or 32 cells of
-//! a distance table; the last search or table may overdraw it by the latter. Memory grows with the cells (36 bytes each), with the
-//! moves of all paths times the separation (24 bytes each times two), and with at most 128 MB of tables.
+//! Cost: one step of the meter is one expanded node of the search of one agent, one round of repair or improvement, or
+//! 32 cells of a distance table; the last search or table may overdraw it by the latter. Memory grows with the cells
+//! (36 bytes each), with the moves of all paths times the separation (24 bytes each times two), and with at most 128 MB
+//! of tables.
 
 mod crew;
 mod distances;
@@ -38,7 +39,7 @@ pub struct FirstPlanTerms {
     pub seed: u64,
     /// Latest arrival of an agent.
     pub step_limit: Option<u32>,
-    /// Most pairs of agents whose paths may conflict when repair begins: with more it rarely ends.
+    /// Most pairs of agents whose paths may conflict when repair begins; with more, repair rarely succeeds.
     pub most_conflicts: Option<usize>,
 }
 
@@ -48,8 +49,8 @@ impl FirstPlanTerms {
     }
 }
 
-/// Lower bounds: the makespan and the sum of costs of agents that ignore one another. An error if an agent alone cannot reach a
-/// stop. Costs a breadth-first search per stop, none where the free cells are a rectangle.
+/// Lower bounds: the makespan and the sum of costs of agents that ignore one another. An error if an agent alone cannot
+/// reach a stop. Costs a breadth-first search per stop, or nothing where the free cells form a rectangle.
 pub fn bounds(instance: &Instance) -> Result<BoardCosts, NoBoardPlan> {
     let mut unlimited = Meter::new(SearchBudget::of(u64::MAX));
     let mut distances = distances::Distances::of(&instance.board);
@@ -66,8 +67,8 @@ pub fn first(instance: &Instance, terms: FirstPlanTerms, meter: &mut Meter) -> O
     }
 }
 
-/// A plan within a step limit from a legal plan that is longer: the paths that arrive later are planned anew, and repaired. Ends
-/// without one as [`first`] does.
+/// A plan within a step limit, made from a longer legal plan: paths that arrive too late are replanned and repaired.
+/// Returns `None` in the same cases as [`first`].
 pub fn tighten(instance: &Instance, paths: &Paths, terms: FirstPlanTerms, meter: &mut Meter) -> Option<Paths> {
     let mut crew = begin(instance, terms, meter)?;
     let limit = u64::from(crew.step_limit);
@@ -76,7 +77,7 @@ pub fn tighten(instance: &Instance, paths: &Paths, terms: FirstPlanTerms, meter:
     repair::repair(&mut crew, part, terms.most_pairs(), meter)
 }
 
-/// The state of a first plan; none where the terms or the board allow none.
+/// State for a first plan; `None` where the board is too large or the limit is below the bound.
 fn begin<'a>(instance: &'a Instance, terms: FirstPlanTerms, meter: &mut Meter) -> Option<PlannedInstance<'a>> {
     if instance.board.cells() > MAX_CELLS {
         return None;
@@ -86,7 +87,8 @@ fn begin<'a>(instance: &'a Instance, terms: FirstPlanTerms, meter: &mut Meter) -
     (u64::from(crew.step_limit) >= total(&crew.least).makespan).then_some(crew)
 }
 
-/// The best plan found from a legal one, at worst itself; ends early where both bounds are met.
+/// The best plan found, starting from a legal one, which is returned if none is better. Ends early if both bounds are
+/// met.
 pub fn improve(instance: &Instance, paths: Paths, objective: BoardObjective, seed: u64, meter: &mut Meter) -> Paths {
     if instance.board.cells() > MAX_CELLS {
         return paths;

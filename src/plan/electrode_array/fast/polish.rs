@@ -36,7 +36,7 @@ const CHOICES: [NeighbourhoodChoice; 3] =
 struct AdaptiveWeights<const N: usize>([u64; N]);
 
 impl<const N: usize> AdaptiveWeights<N> {
-    /// Credit of a gain that cost nothing.
+    /// Credit of a gain at no cost.
     const MOST: u64 = 1 << 20;
     /// Least weight of an option, as a share of [`Self::MOST`], so that each is tried now and then.
     const LEAST: u64 = Self::MOST >> 12;
@@ -96,7 +96,7 @@ pub(super) fn polish(
     while state.is_open() && meter.step().is_some() {
         state.round(meter);
     }
-    // A smaller excess may have cost more in sum than the last arrival has gained.
+    // A smaller excess may have cost more in the sum of costs than the last arrival has gained.
     let worse = BoardCosts::of(&state.paths).key(objective) > BoardCosts::of(&paths).key(objective);
     if worse { paths } else { state.paths }
 }
@@ -142,7 +142,7 @@ impl Polish<'_, '_> {
         self.sizes.learn(pick_size, gained, steps);
     }
 
-    /// A late agent, in turn; where the makespan is minimised and above its bound, every other time one that arrives last.
+    /// A late agent, in turn. If the makespan is minimised and above its bound, half of the time one that arrives last.
     fn late(&mut self) -> usize {
         let count = self.crew.count();
         let makespan = BoardCosts::of(&self.paths).makespan;
@@ -227,7 +227,7 @@ impl Polish<'_, '_> {
         }
     }
 
-    /// Makes the table follow the paths; the last agent in the order is not in it yet.
+    /// Updates the table to the new paths; that of the last agent in the order is not in it yet.
     fn accept(&mut self, order: &[usize], old: &[Vec<CellIndex>]) {
         if let Some(last) = order.last() {
             self.crew.table.add_instead(*last, &self.paths[*last]);
@@ -237,13 +237,15 @@ impl Polish<'_, '_> {
         }
     }
 
-    /// Plans agents in an order, up to the first without an acceptable path; all but the last of the order are entered.
+    /// Plans agents in an order, up to the first one without an acceptable path; all but the last of the order are
+    /// entered in the table.
     fn place(&mut self, order: &[usize], meter: &mut Meter) -> Vec<Vec<CellIndex>> {
         let (limit, mut slack) = self.allowance(order);
         let mut found = Vec::with_capacity(order.len());
         for (turn, agent) in order.iter().enumerate() {
             let least = u64::from(self.crew.least[*agent]);
-            // A path later than this would make the sum of costs worse, whatever the rest of the chosen agents do.
+            // A path that arrives later than this would make the sum of costs worse, whatever the rest of the chosen
+            // agents do.
             let limit = limit.min(least.saturating_add(slack)).min(u64::from(u32::MAX));
             let wish = Wish { others: Others::Hard, weight: 0, haste: 0, limit: limit as u32, delay: 0, detour: None };
             let Some(path) = self.crew.plan(*agent, wish, meter) else { break };
@@ -262,8 +264,9 @@ impl Polish<'_, '_> {
         let ours = chosen.iter().map(|agent| self.arrival(*agent)).max().unwrap_or(0);
         let rest = (0..self.crew.count()).filter(|agent| !chosen.contains(agent));
         let theirs = rest.map(|agent| self.arrival(agent)).max().unwrap_or(0);
-        // With the makespan at its bound, only the sum of costs can improve. Above it, the latest arrival counts first: if it is
-        // among the chosen, they must all arrive earlier; otherwise they may arrive as late as the others.
+        // With the makespan at its bound, only the sum of costs can improve. Above it, the latest arrival counts first:
+        // if it is among the chosen agents, they must all arrive earlier; otherwise they may arrive as late as the
+        // others.
         match self.objective {
             BoardObjective::SumOfCosts => (u64::MAX, slack),
             BoardObjective::Makespan if ours.max(theirs) <= self.bounds.makespan => (self.bounds.makespan, slack),

@@ -1,35 +1,35 @@
-//! A first plan, one agent after the other.
+//! Prioritised planning: a first plan, one agent after the other.
 //!
-//! Method: prioritised planning (Erdmann and Lozano-Pérez, 1987) with the search of [`super::sipp`]. Passing the start of an agent
-//! without a path yet costs a little, so that its exit stays open. An agent that finds no path comes first in the next order.
-//! Guaranteed: a returned plan is legal. Not guaranteed: that one is found; some solvable instances have no order that works. Cost:
-//! at most [`ORDERS`] orders of one search for each agent.
+//! Method: prioritised planning (Erdmann and Lozano-Pérez, 1987) with the search of [`super::sipp`]. Passing the start
+//! of an agent without a path yet costs a little, so that its exit stays open. Agents that find no path come first in
+//! the next order. Guaranteed: a returned plan is legal. Not guaranteed: that one is found; some solvable instances
+//! have no order that works. Cost: at most [`ORDERS`] orders of one search for each agent.
 
 use super::crew::{PlannedInstance, Wish};
 use super::reservations::{Others, Reservations};
 use crate::plan::electrode_array::board::{CellIndex, Paths};
 use crate::plan::search::Meter;
 
-/// Number of orders that are tried: where these leave agents without a path, repair is quicker than further ones.
+/// Most orders tried; where these leave agents without a path, repair is faster than further orders.
 const ORDERS: usize = 3;
 
-/// Fewer than one agent in this many without a path are not worth another order.
+/// If fewer than 1/N of the agents are without a path, no further order is tried.
 const FEW: usize = 32;
 
-/// Steps of one search,
+/// Budget of one search, in steps.
 const SEARCH_STEPS: u64 = 4_000;
 
-/// plus this many for each move that its agent must make; beyond them another order is the cheaper try.
+/// Added to that budget for each move that the agent must make; beyond it, another order is the cheaper try.
 const SEARCH_STEPS_PER_MOVE: u64 = 100;
 
-/// Time for which a start without a path is a hazard, in separations.
+/// Time for which a start without a path is a hazard, in instants per unit of separation.
 const HAZARD_SEPARATIONS: u32 = 6;
 
-/// Instants of detour that one hazard is worth.
+/// Value of one hazard, in instants of detour.
 const HAZARD_WEIGHT: u32 = 1;
 
-/// Extra weight of the heuristic, see [`super::sipp::Query::haste`]: paths get slightly longer, for a sixth of the nodes on large
-/// boards.
+/// Extra weight of the heuristic, see [`super::sipp::Query::haste`]: paths get slightly longer, for a sixth of the
+/// nodes on large boards.
 const HASTE: u32 = 2;
 
 /// Result of prioritised planning.
@@ -40,7 +40,8 @@ pub(super) enum PrioritisedOutcome {
     Part(Vec<Option<Vec<CellIndex>>>),
 }
 
-/// Tries orders: shortest path first; then each time the agents that found no path move to the front.
+/// Tries orders: at first the agents with the shortest paths come first; then each time the agents that found no path
+/// move to the front.
 pub(super) fn prioritise(crew: &mut PlannedInstance, meter: &mut Meter) -> PrioritisedOutcome {
     let mut order: Vec<usize> = (0..crew.count()).collect();
     order.sort_by_key(|agent| crew.least[*agent]);

@@ -15,25 +15,25 @@ use crate::plan::search::Meter;
 /// Most agents that are replanned at once.
 const LARGEST: usize = 5;
 
-/// Instants of detour that one conflict of weight 1 is worth.
+/// Value of a conflict of weight 1, in instants of detour.
 const WEIGHT: u32 = 30;
 
-/// In one of this many rounds that resolve nothing, the pairs in conflict gain weight.
+/// After this many rounds without fewer conflicts, the pairs in conflict gain weight.
 const RAISING_ROUNDS: usize = 40;
 
 /// Extra weight of the heuristic, see [`super::sipp::Query::haste`].
 const HASTE: u32 = 2;
 
-/// One in this many replanned agents is delayed,
+/// One replanned agent in N is delayed.
 const DELAYED: usize = 8;
 
-/// by less than the length of its path plus this many instants.
+/// A delay is shorter than the agent's path plus this many instants.
 const LONGEST_DELAY: usize = 8;
 
-/// One in this many of the others detours via a cell,
+/// One of the other replanned agents in N detours via a cell.
 const DETOURED: usize = 12;
 
-/// at most this many separations away.
+/// The cell of a detour is at most this many separations away from the path, in columns and rows.
 const DETOUR_SEPARATIONS: u32 = 3;
 
 /// Paths, and their conflicts.
@@ -68,7 +68,8 @@ impl RepairState {
     }
 }
 
-/// Completes and repairs the paths of an attempt, unless more than `most_pairs` pairs conflict in the beginning.
+/// Completes and repairs the paths of an attempt; `None` if more than `most_pairs` pairs conflict at the start, or the
+/// meter runs out.
 pub(super) fn repair(
     crew: &mut PlannedInstance,
     part: Vec<Option<Vec<CellIndex>>>,
@@ -160,7 +161,7 @@ fn passer(crew: &mut PlannedInstance, path: &[CellIndex]) -> usize {
     crew.table.visitors(cell).nth(pick).expect("the path itself is in the table")
 }
 
-/// Replans the chosen agents; undone if the conflicts weigh more than before. `None` when the meter ran out.
+/// Replans the chosen agents; undone if the conflicts weigh more than before. `None` when the meter runs out.
 fn again(crew: &mut PlannedInstance, state: &mut RepairState, mut chosen: Vec<usize>, meter: &mut Meter) -> Option<()> {
     let before = state.weight(&crew.weights);
     let old: Vec<_> = chosen.iter().map(|agent| (*agent, state.paths[*agent].clone())).collect();
@@ -198,7 +199,8 @@ fn again(crew: &mut PlannedInstance, state: &mut RepairState, mut chosen: Vec<us
     (meter.left().steps > 0).then_some(())
 }
 
-/// Mostly the shortest path; some agents wait or detour first, for those that cannot pass otherwise.
+/// Settings for replanning: mostly the shortest path; some agents wait or detour first, for agents that cannot pass
+/// otherwise.
 fn otherwise(crew: &mut PlannedInstance, path: &[CellIndex]) -> Wish {
     if crew.random.below(DELAYED) == 0 {
         return Wish { delay: crew.random.below(path.len() + LONGEST_DELAY) as u32, ..SOFT };
@@ -209,7 +211,7 @@ fn otherwise(crew: &mut PlannedInstance, path: &[CellIndex]) -> Wish {
     SOFT
 }
 
-/// A random cell near a random position of a path, unless it is blocked.
+/// A random cell near a random position of a path; `None` if it is blocked.
 fn beside(crew: &mut PlannedInstance, path: &[CellIndex]) -> Option<CellIndex> {
     let board = &crew.instance.board;
     let (column, row) = board.place(path[crew.random.below(path.len())]);

@@ -1,13 +1,13 @@
-//! Weights of conflicts: what it counts when two agents conflict.
+//! Weights of conflicts between pairs of agents.
 //!
-//! Each pair counts 1 until it is raised. Repair raises the pairs that it fails to resolve (the breakout method: P. Morris, "The
-//! breakout method for escaping from local minima", AAAI 1993), so that a plan in which only they conflict stops being a local
-//! minimum. Cost: memory for each raised pair, none for the others.
+//! Each pair has weight 1 until it is raised. Repair raises the pairs that it fails to resolve (the breakout method: P.
+//! Morris, "The breakout method for escaping from local minima", AAAI 1993), so that a plan in which only they conflict
+//! stops being a local minimum. Cost: memory for each raised pair, none for the others.
 
 /// The weight of each pair of agents; at least 1.
 #[derive(Debug)]
 pub(super) struct ConflictWeights {
-    /// By agent: the others of its raised pairs, with what is added to 1.
+    /// By agent: the other agents of its raised pairs, each with the amount added to 1.
     raised: Vec<Vec<(u32, u32)>>,
     /// By agent: its weight against [`Self::row_agent`].
     row: Vec<u32>,
@@ -19,7 +19,7 @@ impl ConflictWeights {
         ConflictWeights { raised: vec![Vec::new(); agents], row: vec![1; agents], row_agent: 0 }
     }
 
-    /// Adds 1 to the weight of one agent against another, and not of the other against it.
+    /// Adds 1 to the weight of `agent` against `other`, but not to that of `other` against `agent`.
     pub(super) fn raise(&mut self, agent: usize, other: usize) {
         let known = self.raised[agent].iter_mut().find(|(known, _)| *known as usize == other);
         match known {

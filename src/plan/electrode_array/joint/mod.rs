@@ -1,19 +1,20 @@
 //! Exact plans for a few parts: a search of their joint space.
 //!
-//! Problem: a group of agents, all others ignored, from their starts to their goals. Method: A* over joint nodes with the agents'
-//! own distances as lower bound (for the makespan the largest, for the sum of costs their sum); the agents' moves are chosen one
-//! after the other, so that a move too near to an earlier one prunes all its extensions (compare T. Standley, "Finding Optimal
-//! Solutions to Cooperative Pathfinding Problems", AAAI 2010). For the sum of costs a node records for each agent whether it has
-//! arrived for good; only agents that have not are charged for a step.
+//! Problem: a group of agents, all others ignored, from their starts to their goals. Method: A* over joint nodes with
+//! the agents' own distances as lower bound (for the makespan the largest, for the sum of costs their sum); the agents'
+//! moves are chosen one after the other, so that a move too near to an earlier one prunes all its extensions (compare
+//! T. Standley, "Finding Optimal Solutions to Cooperative Pathfinding Problems", AAAI 2010). For the sum of costs a
+//! node records for each agent whether it has arrived for good; only agents that have not are charged for a step.
 //!
-//! Where only the moves matter, or only whether there is a plan, one agent moves at a time: a move never comes near a place that is
-//! being left, so the moves of one step may equally be made one after the other, and the fewest moves in turns are the fewest of
-//! all. With shared channels that is not so, and neither is asked for. For any plan, the distances are weighted by `HURRY` and the moves of the result are made as early as possible.
+//! Where only the moves matter, or only whether there is a plan, one agent moves at a time. This loses nothing: a move
+//! never comes near a place that is being left, so the moves of one step may equally be made one after the other, and
+//! the fewest moves in turn are the fewest of all. With shared channels that is not so, and neither question is asked.
+//! For any plan, the distances are weighted by `HURRY` and the moves of the result are made as early as possible.
 //!
-//! Guaranteed, while the budget lasts: a plan of least cost, or the proof that there is none; under a limit on the steps, none
-//! within it. Not guaranteed: good tie-breaking between plans of the same cost. The number of joint nodes is the product of the
-//! agents' nodes, so two parts fit on most boards and more on small ones. One step of the budget is one tried move of one agent;
-//! memory is at most some 50 bytes for each, and some 400 MB in all.
+//! Guaranteed, while the budget lasts: a plan of least cost, or the proof that there is none; under a limit on the
+//! steps, none within it. Not guaranteed: good tie-breaking between plans of the same cost. The number of joint nodes
+//! is the product of the agents' nodes, so two parts fit on most boards and more on small ones. One step of the budget
+//! is one tried move of one agent; memory is at most some 50 bytes for each, and some 400 MB in all.
 
 use super::board::{CellIndex, MetCells, Paths};
 use super::exact::field::{ExactTables, FAR, StagedCell};
@@ -35,8 +36,8 @@ pub enum JointAim {
     SumOfCosts { limit: Option<u32> },
 }
 
-/// Result for a group: a plan, best for the aim, with a path for each member in its order; a search that gave up has a lower bound on
-/// the cost of any plan.
+/// Result for a group: a plan that is best for the aim, with a path for each member in its order. A search that gave up
+/// returns a lower bound on the cost of every plan.
 pub type JointAnswer = SearchAnswer<Paths, NoJointPlan, u64>;
 
 /// Why a group has no plan.
@@ -54,7 +55,7 @@ const HURRY: u32 = 4;
 /// Larger groups are not searched.
 const MOST_MEMBERS: usize = 64;
 
-/// The same for the sum of costs, where parking multiplies the states of one instant by up to 2 for each member.
+/// The same for the sum of costs, where each joint position has up to 2 variants per member: arrived for good or not.
 const MOST_SUMMED: usize = 12;
 
 /// Searches for the agents of `group` alone.
@@ -71,8 +72,8 @@ pub fn search(field: &ExactTables, group: &[usize], aim: JointAim, meter: &mut M
     search.run(meter)
 }
 
-/// The cells that each member of a group without a plan comes to in some order of moves, as far as it could go on to its goal from there
-/// if it were alone, ascending. `None` if the meter ends first, or if there is a plan.
+/// The cells that each member of a group without a plan can reach when the members move in turn, ascending; only cells
+/// from which the member alone could still reach its goal. `None` if the meter runs out, or if there is a plan.
 pub fn reached(field: &ExactTables, group: &[usize], meter: &mut Meter) -> Option<Vec<Vec<CellIndex>>> {
     if group.is_empty() || group.len() > MOST_MEMBERS {
         return None;
@@ -101,7 +102,7 @@ struct JointSearch<'a> {
     /// Open list: indices of states by lower bound on the total cost.
     open: Vec<Vec<u32>>,
     lowest: usize,
-    /// Something was pruned because of the limit.
+    /// Whether a state was pruned because of the limit.
     limited: bool,
 }
 
@@ -181,7 +182,8 @@ impl<'a> JointSearch<'a> {
         })
     }
 
-    /// An agent that waits on its goal without having arrived for good must leave it and come back: 2 steps.
+    /// Least steps of an agent. One that waits on its goal without having arrived for good must leave it and come back:
+    /// 2 steps.
     fn own_distance(&self, agent: usize, word: AgentWord) -> u32 {
         let distance = self.field.distance(agent, word >> 1);
         let unsettled = matches!(self.aim, JointAim::SumOfCosts { .. }) && word & PARKED == 0 && distance == 0;
@@ -343,7 +345,7 @@ impl<'a> JointSearch<'a> {
     }
 }
 
-/// The untried moves of each member.
+/// The untried moves of each member, in the expansion of one state.
 struct Ply {
     moves: Vec<Vec<AgentWord>>,
 }
@@ -366,7 +368,7 @@ impl Ply {
     }
 }
 
-/// Drops the waiting at the end, so that the last position is the last arrival.
+/// Drops the wait at the end of a path, so that its last position is the last arrival.
 pub(super) fn trim(path: &mut Vec<CellIndex>) {
     while path.len() > 1 && path[path.len() - 2] == path[path.len() - 1] {
         path.pop();

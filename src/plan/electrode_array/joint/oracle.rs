@@ -1,4 +1,4 @@
-//! Plain searches and a plain check for the tests, written from the definitions alone.
+//! Reference searches and a plan checker for the tests, written from the definitions alone.
 
 use crate::plan::electrode_array::board::{Agent, BoardGrid, BoardObjective, CellIndex, Instance, Paths, position};
 use std::collections::{BTreeMap, BTreeSet};
@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Cells, number of stops visited, and which agents have arrived for good.
 type Joint = (Vec<CellIndex>, Vec<usize>, Vec<bool>);
 
-/// Whether agents can step from some cells to others, by a rule besides that of separation.
+/// Whether agents may step from some cells to others, under a rule besides that of separation.
 pub type StepRule<'a> = &'a dyn Fn(&[CellIndex], &[CellIndex]) -> bool;
 
 /// The least makespan or sum of costs; `None` if there is no plan.

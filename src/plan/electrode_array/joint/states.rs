@@ -33,7 +33,7 @@ impl States {
         self.width
     }
 
-    /// Number of stored states; they are those below it.
+    /// Number of stored states; their indices are below it.
     pub fn count(&self) -> u32 {
         self.costs.len() as u32
     }

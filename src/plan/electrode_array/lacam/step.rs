@@ -1,10 +1,11 @@
-//! Rule-based successor of a configuration: urgent agents approach their goals, agents in their way are pushed aside.
+//! Rule-based successor of a configuration: urgent agents approach their goals, and agents in their way are pushed
+//! aside.
 //!
-//! Method: in the manner of PIBT (Okumura, Machida, Défago, Tamura, "Priority inheritance with backtracking for iterative
-//! multi-agent path finding", Artificial Intelligence 310, 2022), under the separation rule. No agent comes near a cell that
-//! another leaves in the same step, so an agent whose path is blocked waits, which the rule always allows, and the agents that
-//! block it choose before all others: the first move of a shortest path, past nothing but blocked cells and the pushing agent, to a
-//! cell outside its path.
+//! Method: in the manner of PIBT (Okumura, Machida, Défago, Tamura, "Priority inheritance with backtracking for
+//! iterative multi-agent path finding", Artificial Intelligence 310, 2022), under the separation rule. No agent comes
+//! near a cell that another leaves in the same step. So an agent whose path is blocked waits, which the rule always
+//! allows, and the agents that block it choose before all others: each makes the first move of a shortest path to a
+//! cell outside the blocked agent's path, avoiding only blocked cells and the pushing agent.
 
 use super::NONE;
 use crate::plan::electrode_array::board::{CellIndex, Instance};
@@ -16,8 +17,8 @@ use std::rc::Rc;
 /// Most agents in one block: two that merge.
 const MOST_IN_BLOCK: usize = 2;
 
-/// Agents with their cells by blocks of as many columns and rows as the separation: of agents that keep it no two are in one block, so that
-/// whoever is near a cell is found in nine of them.
+/// Spatial hash of the agents: blocks with as many columns and rows as the separation. No two agents that keep the
+/// separation share a block, so all agents near a cell are found in nine blocks.
 struct Places {
     separation: i32,
     /// Blocks in a row, with one more at either side.
@@ -63,15 +64,15 @@ impl Places {
 /// Length of the path that an agent wants free, in separations.
 const WAY_SEPARATIONS: u32 = 3;
 
-/// Budget of the search for a cell out of the way: cells examined times cells of the path.
+/// Budget of the search for a cell out of the way: cells examined times cells of the path to avoid.
 const LOOKS: usize = 20_000;
 
-/// One in this many pushed agents takes a longer way out where the shortest is blocked.
+/// One pushed agent in N takes a longer way out where the shortest is blocked.
 const RETREAT: usize = 16;
 
 /// A request of one agent that others move away.
 struct Push {
-    /// Its cell.
+    /// Its cell, where it waits.
     at: CellIndex,
     /// The cells of its intended path, and those wanted by the agent that pushes it.
     way: Vec<CellIndex>,
@@ -84,9 +85,9 @@ pub(super) struct ConfigurationGenerator<'a> {
     next: Places,
     /// Decided move of each agent.
     to: Vec<Option<StagedCell>>,
-    /// Agents that choose next, with the push to which they react.
+    /// Agents that choose next, each with the push to which it reacts.
     queue: VecDeque<(usize, Option<Rc<Push>>)>,
-    /// By cell: the last search for a way out that came there.
+    /// By cell: number of the last search for a way out that reached it.
     seen: Vec<u32>,
     searches: u32,
 }
@@ -104,7 +105,7 @@ impl<'a> ConfigurationGenerator<'a> {
         }
     }
 
-    /// A successor in which constrained agents make their moves; `None` if those are impossible.
+    /// A successor in which constrained agents make their moves; `None` if these moves are impossible.
     pub(super) fn make(
         &mut self,
         from: &[StagedCell],
@@ -153,7 +154,7 @@ impl<'a> ConfigurationGenerator<'a> {
         self.to[agent] = Some(node);
     }
 
-    /// The best free move; otherwise the agent waits and pushes the agents that block the best move.
+    /// Makes the best free move; if there is none, the agent waits and pushes the agents that block its best move.
     fn decide(&mut self, from: &[StagedCell], agent: usize, push: Option<&Push>, random: &mut SplitMix64) {
         let here = from[agent];
         let candidates = match push {
@@ -169,7 +170,7 @@ impl<'a> ConfigurationGenerator<'a> {
                 return self.go(agent, node);
             }
             wanted = wanted.or(Some(node));
-            // A move back into the path is no way out; but now and then it frees a jam in which nobody can move.
+            // A move back into the path is no way out, but now and then it frees a jam in which nobody can move.
             if push.is_some() && random.below(RETREAT) > 0 {
                 break;
             }

@@ -1,13 +1,15 @@
-//! The Pareto front of plans of a few parts in all figures: for limits that a search for one figure does not keep.
+//! The Pareto front of plans of a few parts in all figures. Used for limits that a search for one figure does not keep.
 //!
-//! Problem: an instance on a small board, and limits on steps, sum of costs and moves. Method: a label-setting search over joint
-//! positions, as in multicriteria shortest paths (E. Q. V. Martins, "On a multicriteria shortest path problem", European Journal of
-//! Operational Research 16, 1984): a joint position keeps all its non-dominated partial plans. As in [`crate::plan::electrode_array::joint`], a position
-//! records for each agent whether it has arrived for good. Where a figure must reach a least value, partial plans below that value
-//! are only compared with those of the same value in it.
+//! Problem: an instance on a small board, and limits on steps, sum of costs and moves. Method: a label-setting search
+//! over joint positions, as in multicriteria shortest paths (E. Q. V. Martins, "On a multicriteria shortest path
+//! problem", European Journal of Operational Research 16, 1984): a joint position keeps all its non-dominated partial
+//! plans. As in [`crate::plan::electrode_array::joint`], a position records for each agent whether it has arrived for
+//! good. Where a figure must reach a least value, partial plans below that value are only compared with partial plans
+//! of the same value in it.
 //!
-//! Guaranteed: for each plan within the limits the answer contains one that has no more of any figure, and as much of each up to
-//! its least value. Cost: one step of the meter is one joint move; it fits joint spaces of some ten thousand positions.
+//! Guaranteed: for each plan within the limits the answer contains one that has no more of any figure, and as much of
+//! each up to its least value. Cost: one step of the meter is one joint move; it fits joint spaces of some ten thousand
+//! positions.
 
 use crate::plan::electrode_array::board::{CellIndex, Instance, Paths};
 use crate::plan::electrode_array::exact::field::{ExactTables, FAR, StagedCell};
@@ -35,7 +37,8 @@ pub struct PlanLimits {
     pub least: BoardFigures,
 }
 
-/// The non-dominated plans within the limits; `None` if budget or memory does not suffice, or the joint space is too large.
+/// The non-dominated plans within the limits; `None` if the budget or the memory does not suffice, or the joint space
+/// is too large.
 pub fn front(instance: &Instance, limits: PlanLimits, meter: &mut Meter) -> Option<Vec<(Paths, BoardFigures)>> {
     let field = ExactTables::new(instance).ok()?;
     let sizes = (0..field.agents()).map(|agent| field.reaching(agent));
@@ -176,7 +179,7 @@ impl BoardLabelSearch<'_> {
         self.open.push(Reverse((ahead, label)));
     }
 
-    /// Whether a known plan dominates everything with these figures.
+    /// Whether a known complete plan dominates everything with these figures.
     fn is_matched(&self, ahead: &BoardFigures) -> bool {
         let reaches = ahead.iter().zip(&self.limits.least).all(|(figure, least)| figure >= least);
         reaches && self.ends.iter().any(|end| self.limits.covers(&self.labels[*end as usize].figures, ahead))
@@ -188,7 +191,7 @@ impl BoardLabelSearch<'_> {
         for (agent, word) in words.iter().enumerate() {
             let distance = match self.field.distance(agent, word >> 1) {
                 FAR => return None,
-                // An agent on its goal that has not arrived for good leaves it and comes back.
+                // An agent on its goal that has not arrived for good must leave it and come back: 2 steps.
                 0 if word & ARRIVED == 0 => 2,
                 distance => u64::from(distance),
             };

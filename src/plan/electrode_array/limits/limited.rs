@@ -1,13 +1,15 @@
-//! Plans of a task whose best plan breaks a limit: the candidate plans of every step, and the best combination of one per step.
+//! Plans of a task whose best plan breaks a limit: the candidate plans of every step, and the best combination of one
+//! per step.
 //!
-//! Problem: limits on the steps, sum of costs and moves of a whole task. After each step every part is on a cell that the program
-//! names, so the steps are independent, and the figures of a task are the sums of theirs. Method: for each step its non-dominated
-//! plans: on small boards all of them ([`labels`]), elsewhere the least sum of costs for decreasing limits on the steps (the
-//! ε-constraint method: Haimes, Lasdon, Wismer, IEEE Transactions on Systems, Man and Cybernetics 1, 1971) and, where moves are
-//! limited, the plan of fewest moves; then one plan per step so that the limits are kept and the objective is least.
+//! Problem: limits on the steps, sum of costs and moves of a whole task. After each step every part is on a cell that
+//! the program names, so the steps are independent, and the figures of a task are the sums of theirs. Method: for each
+//! step, candidate plans that are not dominated: on small boards all of them ([`labels`]); elsewhere the least sum of
+//! costs for decreasing limits on the steps (the ε-constraint method: Haimes, Lasdon, Wismer, IEEE Transactions on
+//! Systems, Man and Cybernetics 1, 1971) and, where moves are limited, the plan of fewest moves. Then one plan per step
+//! is chosen so that the limits are kept and the objective is least.
 //!
-//! Guaranteed: plans keep all limits. Where the answer is proven, no other plan of the task is better, or none keeps the limits.
-//! Cost: each step gets its budget once more.
+//! Guaranteed: plans keep all limits. Where the answer is proven, no other plan of the task is better, or none keeps
+//! the limits. Cost: each step gets its budget once more.
 
 use super::labels::{self, BoardFigures, PlanLimits};
 use crate::plan::electrode_array::board::{
@@ -20,13 +22,13 @@ use crate::plan::search::{Meter, SearchBudget};
 /// No limit.
 pub const UNLIMITED: u64 = u64::MAX;
 
-/// One part in this many of a step's budget goes to the search for its whole Pareto front.
+/// 1/N of a step's budget for the search for its whole Pareto front.
 const LABELS_SHARE: u64 = 4;
 
-/// One part in this many of the remaining budget goes to each of the other searches.
+/// 1/N of the remaining budget for each of the other searches.
 const SEARCH_SHARE: u64 = 2;
 
-/// Most combinations of plans of the first steps that are kept.
+/// Most partial combinations, of plans of the first steps, that are kept.
 const MOST_CHOICES: usize = 4096;
 
 /// The candidate plans of one step.
@@ -34,11 +36,13 @@ pub struct PlanFront {
     choices: Vec<(Paths, BoardFigures)>,
     /// Lower bounds on the figures of the step.
     pub bounds: BoardFigures,
-    /// Each plan within the upper limits has no less of some figure than one of the choices has.
+    /// Whether each plan within the upper limits has at least as much of every figure as one of the choices. Assumes
+    /// that no figure must reach a least value.
     is_whole: bool,
-    /// The same holds where a figure must reach a least value.
+    /// Whether the same holds where a figure must reach a least value.
     reaches: bool,
-    /// Where channels are shared: which parts can rest together, and the cells of those that stay.
+    /// Where channels are shared: the channels, which decide whether parts can rest together, and the cells of the
+    /// parts that stay.
     shared: Option<(SharedChannels, Vec<CellIndex>)>,
 }
 
@@ -48,7 +52,7 @@ pub struct AskedStep {
     pub objective: BoardObjective,
     /// The limits of the task, minus the bounds of the other steps.
     pub limits: PlanLimits,
-    /// No other step moves parts, so that one plan is enough.
+    /// Whether no other step moves parts, so that one plan is enough.
     pub is_only: bool,
     pub expansions: u64,
 }
@@ -73,7 +77,7 @@ pub fn front(
     let front = PlanFront { choices, bounds, is_whole: true, reaches: false, shared };
     let [_, least_sum, least_moves] = asked.limits.least;
     if instance.agents.len() == 1 && [least_sum, least_moves] == [0, 0] {
-        // A shortest path has the least of every figure, and waits for more steps where it is to have more.
+        // A shortest path has the least of every figure; where it must have more steps, it waits.
         return front;
     }
     let mut meter = Meter::new(SearchBudget::of(asked.expansions / LABELS_SHARE));
@@ -126,7 +130,7 @@ impl LimitedTaskSearch<'_> {
         portfolio::solve(self.instance, objective, (steps != UNLIMITED).then_some(steps), budget)
     }
 
-    /// Searches for the fewest steps; returns whether nothing else is of interest.
+    /// Searches for the fewest steps; returns whether no further search is needed.
     fn fewest_steps(&mut self) -> bool {
         let [steps, sum, _] = self.asked.limits.most;
         let known = self.front.choices[0].1;
@@ -158,7 +162,7 @@ impl LimitedTaskSearch<'_> {
         }
     }
 
-    /// The least sum of costs within the steps, then within fewer than that plan has, and so on.
+    /// Minimises the sum of costs within the limit on steps, then within fewer steps than that plan has, and so on.
     fn fewer_and_fewer_steps(&mut self) {
         let [mut steps, most_sum, _] = self.asked.limits.most;
         let mut is_first = true;
@@ -276,7 +280,8 @@ fn picked(fronts: &[PlanFront], partial: &Partial) -> Vec<Paths> {
     fronts.iter().zip(&partial.picks).map(|(front, pick)| front.choices[*pick as usize].0.clone()).collect()
 }
 
-/// A combination that also keeps the lower limits, if necessary because all parts of a step wait before they move, or as soon as they can.
+/// The combination, changed to keep the lower limits too: if steps are missing, all parts of one step wait before they
+/// move, or as soon as they can. `None` if that is not possible.
 fn delayed(
     fronts: &[PlanFront],
     mut paths: Vec<Paths>,
@@ -301,7 +306,8 @@ fn delayed(
 }
 
 impl PlanFront {
-    /// The first instant before the last one of a plan at which all parts can rest where they are.
+    /// The first instant of a plan, before its last one, at which all parts can rest where they are; `None` if there is
+    /// none.
     fn first_rest(&self, paths: &Paths) -> Option<usize> {
         let longest = paths.iter().map(Vec::len).max().unwrap_or(1);
         let may_rest = |instant: &usize| {
@@ -314,7 +320,7 @@ impl PlanFront {
     }
 }
 
-/// Longest such wait, in steps.
+/// Longest wait that is inserted, in steps.
 const MOST_DELAY: u64 = 100_000;
 
 fn sum(figures: impl Iterator<Item = BoardFigures>) -> BoardFigures {

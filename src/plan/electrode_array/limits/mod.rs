@@ -1,4 +1,4 @@
-//! The limits of a task as numbers of steps, costs and moves, and the report where no plan is known to keep them.
+//! The limits of a task as numbers of steps, costs and moves, and the report if no plan is known to keep them.
 
 pub mod labels;
 pub mod limited;
@@ -16,7 +16,7 @@ use crate::plan::requirements::{Kept, enough, keeps, show};
 use crate::quantity::Dimension;
 use std::collections::BTreeMap;
 
-/// Counts saturate here.
+/// Greatest figure considered; larger limits count as no limit.
 const MOST_COUNTED: u64 = 1 << 40;
 
 /// Index of the figure that determines an outcome.
@@ -37,7 +37,7 @@ pub fn seconds(order: &ElectrodeArrayOrder, steps: u64) -> f64 {
     (u128::from(steps) * u128::from(order.facts.step_ns) + waits_ns.sum::<u128>()) as f64 / 1e9
 }
 
-/// The least value of an outcome, from lower bounds of the steps and the sum of costs; `None` if they say nothing of it.
+/// The least value of an outcome, from lower bounds on the steps and the sum of costs; `None` if these do not bound it.
 pub fn least(order: &ElectrodeArrayOrder, outcome: &str, bounds: BoardCosts) -> Option<f64> {
     let figure = [Some(bounds.makespan), Some(bounds.sum_of_costs), None][figure(outcome)?]?;
     Some(value(order, outcome, figure))
@@ -60,7 +60,7 @@ pub fn of<'r>(order: &ElectrodeArrayOrder, requirements: impl IntoIterator<Item 
     limits
 }
 
-/// The least and the greatest value that a requirement allows; the least is above the greatest where it allows nothing.
+/// The least and the greatest value that a requirement allows; if it allows none, the least is above the greatest.
 fn allowed(order: &ElectrodeArrayOrder, requirement: &Requirement) -> (u64, u64) {
     let first = |relation: Relation, wanted: Kept| {
         let asked = Requirement { relation, ..requirement.clone() };
@@ -95,13 +95,13 @@ fn allowed(order: &ElectrodeArrayOrder, requirement: &Requirement) -> (u64, u64)
     }
 }
 
-/// Almost no limits: figures that had an upper limit keep a very large one, so that plans differ in them.
+/// The limits lifted: figures that had an upper limit get a very large one, so that plans still differ in them.
 pub fn lifted(limits: PlanLimits) -> PlanLimits {
     let lift = |most| if most == UNLIMITED { UNLIMITED } else { MOST_COUNTED };
     PlanLimits { most: limits.most.map(lift), least: [0; 3] }
 }
 
-/// Sum of the costs.
+/// Sum of some costs, each figure on its own.
 pub fn total(costs: impl Iterator<Item = BoardCosts>) -> BoardCosts {
     costs.fold(BoardCosts::default(), |sum, own| BoardCosts {
         makespan: sum.makespan + own.makespan,
@@ -119,7 +119,7 @@ pub fn breaks(figures: BoardFigures, limits: PlanLimits) -> bool {
     exceeds(figures, limits.most) || exceeds(limits.least, figures)
 }
 
-/// Report where no plan is known to keep the limits. `fronts` were searched within them and `wider` without.
+/// Reports that no plan is known to keep the limits. `fronts` were searched within the limits and `wider` without them.
 pub fn broken(
     order: &ElectrodeArrayOrder,
     requirements: &[Requirement],
@@ -157,7 +157,7 @@ fn label(order: &ElectrodeArrayOrder, requirement: &Requirement, bounds: BoardFi
     }
 }
 
-/// A single limit that could be raised, and its value, according to the known plans.
+/// Help text that names each limit that could be raised alone, and its value, according to the known plans.
 fn help(order: &ElectrodeArrayOrder, requirements: &[Requirement], wider: &[PlanFront]) -> Option<String> {
     let raises = requirements.iter().enumerate().filter_map(|(index, requirement)| {
         let rest = requirements.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);

@@ -1,13 +1,14 @@
-//! Where operations take place for which the program names several places.
+//! Chooses the places of operations for which the program names several.
 //!
-//! An arrangement has one place for each of them, and is an assay without a choice. Method: as long as there are few arrangements, in
-//! the order of their lower bounds, until no bound is below the plan at hand: all by lists, and then by all positions of the parts. Of
-//! more, those of some schedules on paper (`placement`), or, where these have no plan, some at random; the best of them in a better order, and
-//! then others that differ from it in one place, as long as plans become better; then as of few those whose lower bounds are least
-//! (`place_tree`). Where there is only one, schedules on paper say in which order its parts may have their turns.
+//! An arrangement has one place for each operation, and so is an assay without a choice. Method for few arrangements:
+//! plan them in the order of their lower bounds, until no bound is below the best plan; first all by lists, then by
+//! joint search. For more arrangements: plan those of some relaxed schedules, which ignore conflicts (`placement`) or,
+//! where these yield no plan, random ones; then look for a better order for the best of them, and for arrangements that
+//! differ from it in one place, as long as plans improve; then plan those with the least lower bounds (`place_tree`) as
+//! if they were few. For a single arrangement, relaxed schedules suggest the order in which its parts take turns.
 //!
-//! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement, and they are called impossible only where each one is.
-//! Cost: that of planning the arrangements, on one budget.
+//! Guaranteed: a plan is legal; `bounds` hold for the plans of every arrangement; "impossible" is returned only if
+//! every arrangement is impossible. Cost: that of planning the arrangements, on one budget.
 
 use super::critical_path::{self, BoardWays};
 use super::place_tree::PlaceTree;
@@ -22,26 +23,26 @@ use crate::plan::electrode_array::stage::{self, BoardStage};
 use crate::plan::search::{Meter, SearchAnswer};
 use crate::random::SplitMix64;
 
-/// Most arrangements of which each has its own bound, and most operations of all arrangements whose bounds are looked at: in a long
-/// assay each bound takes its time.
+/// Most arrangements for each of which a lower bound is computed, and most operations of all these arrangements
+/// together: in a long assay each bound takes time.
 const MAX_ARRANGEMENTS: usize = 1_000;
 const MAX_LOOKED: usize = 100_000;
 
-/// One part in this many of the budget that is left goes to one arrangement of several, by lists, and by all positions.
+/// 1/N of the remaining budget for one arrangement of several: by lists, and by joint search.
 const LISTS_SHARE: u64 = 64;
 const SHARE: u64 = 4;
 
-/// All but one part in this many goes to the best of more arrangements.
+/// All but 1/N of the remaining budget is for a better order of the best arrangement, if there are many.
 const KEPT_SHARE: u64 = 4;
 
-/// Of more arrangements, how many are planned that differ in one place from the best one,
+/// If there are many arrangements: most that are planned because they differ from the best one in one place.
 const MAX_TRIED: usize = 200;
 
-/// after those of so many schedules on paper, with so many operations all together.
+/// If there are many arrangements: most relaxed schedules, and most operations of all these schedules together.
 const PAPERS: usize = 8;
 const MAX_PAPER_OPERATIONS: usize = 10_000;
 
-/// Where no schedule on paper has a plan, how many arrangements drawn at random are planned by lists, and then as many by all positions.
+/// Most random arrangements planned by lists where no relaxed schedule yields a plan, and then as many by joint search.
 const MAX_DRAWN: usize = 100;
 
 /// A plan with the places that it has chosen.
@@ -50,7 +51,7 @@ pub struct PlacedPlan {
     /// One for each part of the order.
     pub courses: Vec<PartCourse>,
     costs: BoardCosts,
-    /// Lower bounds on every plan, wherever operations take place.
+    /// Lower bounds on every plan, for any choice of places.
     pub bounds: BoardCosts,
 }
 
@@ -58,13 +59,13 @@ pub struct PlacedPlan {
 pub struct NoArrangement {
     pub operations: Vec<AssayOperation>,
     pub why: NoAssayPlan,
-    /// How many there are.
+    /// Number of arrangements.
     pub count: usize,
 }
 
 type PlacedAnswer = SearchAnswer<PlacedPlan, Box<NoArrangement>, BoardCosts>;
 
-/// A plan of the operations at the best of their places; where the search gave up, lower bounds on every plan.
+/// Plans the operations at the best places found; where the search gave up, returns lower bounds on every plan.
 pub fn solve(
     site: &AssaySite,
     operations: &[AssayOperation],
@@ -74,12 +75,12 @@ pub fn solve(
     solve_each(site, operations, objective, MAX_ARRANGEMENTS.min(looks(operations)), meter)
 }
 
-/// How many arrangements have their bounds looked at, one at least.
+/// Number of arrangements whose bounds are computed; at least one.
 fn looks(operations: &[AssayOperation]) -> usize {
     (MAX_LOOKED / operations.len().max(1)).max(1)
 }
 
-/// As [`solve`], with a bound of its own for each of so many arrangements at most.
+/// As [`solve`], with a lower bound for each arrangement if there are at most `most`.
 pub(in super::super) fn solve_each(
     site: &AssaySite,
     operations: &[AssayOperation],
@@ -95,10 +96,10 @@ pub(in super::super) fn solve_each(
     }
 }
 
-/// Operations with the choices that they leave.
+/// Operations, some of which have several places.
 struct Choices<'a> {
     operations: &'a [AssayOperation],
-    /// The indices of those with several places.
+    /// The indices of the operations with several places.
     open: Vec<usize>,
 }
 
@@ -108,7 +109,7 @@ impl Choices<'_> {
         Choices { operations, open }
     }
 
-    /// How many places each of them has.
+    /// Number of places of each of them.
     fn counts(&self) -> impl Iterator<Item = usize> {
         self.open.iter().map(|nth| self.operations[*nth].among.len())
     }
@@ -119,7 +120,7 @@ impl Choices<'_> {
             .try_fold(1usize, |count, places| count.checked_mul(places).filter(|count| *count <= MAX_ARRANGEMENTS))
     }
 
-    /// The places of an arrangement by its number, those of the last operation changing first.
+    /// The places of the arrangement with a number; those of the last operation change first.
     fn places(&self, mut number: usize) -> Vec<usize> {
         let mut places = vec![0; self.open.len()];
         for (place, nth) in places.iter_mut().zip(&self.open).rev() {
@@ -129,7 +130,7 @@ impl Choices<'_> {
         places
     }
 
-    /// The operations at these places.
+    /// The operations at given places.
     fn at(&self, places: &[usize]) -> Vec<AssayOperation> {
         let mut operations = self.operations.to_vec();
         for (nth, place) in self.open.iter().zip(places) {
@@ -138,7 +139,7 @@ impl Choices<'_> {
         operations
     }
 
-    /// The places that operations have on paper.
+    /// The places that a relaxed schedule chooses.
     fn on_paper(&self, order: &ElectrodeArrayOrder, paper: &PaperSchedule) -> Vec<usize> {
         let place = |nth: &usize| {
             let cell = paper.cells[*nth]?;
@@ -148,7 +149,7 @@ impl Choices<'_> {
     }
 }
 
-/// Looks at operations with one place each as at agents on a board.
+/// Converts operations with one place each to a stage and an assay problem, and passes these to `look`.
 pub fn with_problem<T>(
     site: &AssaySite,
     operations: &[AssayOperation],
@@ -166,16 +167,16 @@ pub fn with_problem<T>(
     }
 }
 
-/// How an arrangement is planned.
+/// Terms on which an arrangement is planned.
 #[derive(Clone, Copy)]
 struct ArrangementTerms<'a> {
     objective: BoardObjective,
     effort: AssayEffort,
-    /// Schedules of the operations, in whose order parts may have their turns.
+    /// Relaxed schedules of the operations that suggest the order in which parts take turns.
     papers: &'a [PaperSchedule],
 }
 
-/// The plan of an arrangement.
+/// Plans an arrangement.
 fn planned(
     site: &AssaySite,
     operations: Vec<AssayOperation>,
@@ -205,7 +206,7 @@ fn planned(
     }
 }
 
-/// A plan of operations one after the other, with bounds that are known.
+/// A plan of the operations one after the other, with known bounds.
 fn in_turn(
     site: &AssaySite,
     operations: Vec<AssayOperation>,
@@ -231,7 +232,7 @@ fn placed(
     (courses, AssayPlan::costs(&plan.courses), plan.bounds)
 }
 
-/// The plan of the only arrangement.
+/// Plans the only arrangement.
 fn only(site: &AssaySite, operations: &[AssayOperation], objective: BoardObjective, meter: &mut Meter) -> PlacedAnswer {
     let mut ways = BoardWays::new(site, meter);
     let timed = critical_path::timed(operations, &mut ways);
@@ -248,7 +249,7 @@ fn only(site: &AssaySite, operations: &[AssayOperation], objective: BoardObjecti
     }
 }
 
-/// What a plan costs, the objective first.
+/// Costs of a plan, that of the objective first.
 fn cost(objective: BoardObjective, plan: &PlacedPlan) -> [u64; 2] {
     ordered(objective, plan.costs)
 }
@@ -260,7 +261,7 @@ fn ordered(objective: BoardObjective, costs: BoardCosts) -> [u64; 2] {
     }
 }
 
-/// What holds for the plans of both.
+/// Lower bounds that hold for both.
 fn least(one: BoardCosts, other: BoardCosts) -> BoardCosts {
     BoardCosts { makespan: one.makespan.min(other.makespan), sum_of_costs: one.sum_of_costs.min(other.sum_of_costs) }
 }
@@ -268,19 +269,19 @@ fn least(one: BoardCosts, other: BoardCosts) -> BoardCosts {
 /// An arrangement that may have a plan.
 struct Arrangement {
     places: Vec<usize>,
-    /// Of its plans.
+    /// Lower bounds on its plans.
     bounds: BoardCosts,
 }
 
-/// Arrangements that are planned, few enough to have a bound each.
+/// Planning of arrangements few enough to have a lower bound each.
 struct FewArrangements<'a> {
     site: &'a AssaySite<'a>,
     choices: &'a Choices<'a>,
     objective: BoardObjective,
-    /// Those that may have a plan, by their bounds.
+    /// Arrangements that may have a plan, by their bounds.
     due: Vec<Arrangement>,
     best: Option<PlacedPlan>,
-    /// Why the first of those that have none has none.
+    /// Among the arrangements without a plan, the first one and why it has none.
     why: Option<(Vec<usize>, Box<NoArrangement>)>,
 }
 
@@ -293,7 +294,7 @@ impl<'a> FewArrangements<'a> {
         self.best.as_ref().map(|plan| cost(self.objective, plan))
     }
 
-    /// Whether its plans may be better than the best.
+    /// Whether an arrangement with these bounds may have a better plan than the best one.
     fn is_hopeful(&self, bounds: BoardCosts) -> bool {
         self.cost().is_none_or(|[best, _]| ordered(self.objective, bounds)[0] < best)
     }
@@ -304,7 +305,7 @@ impl<'a> FewArrangements<'a> {
         }
     }
 
-    /// Adds an arrangement, unless it is known at once that it has no plan.
+    /// Adds an arrangement, unless its bounds prove that it has no plan.
     fn add(&mut self, places: Vec<usize>, meter: &mut Meter) {
         let operations = self.choices.at(&places);
         match with_problem(self.site, &operations, |_, problem| assay::bounds(&problem?, meter)) {
@@ -313,7 +314,8 @@ impl<'a> FewArrangements<'a> {
         }
     }
 
-    /// Plans those that may be better than the best, by lists, and then by all positions where fewer steps are not ruled out.
+    /// Plans the arrangements that may improve on the best plan, by lists, and then by joint search where fewer steps
+    /// are not ruled out.
     fn plan_all(&mut self, meter: &mut Meter) {
         self.due.sort_by_cached_key(|own| (ordered(self.objective, own.bounds), own.places.clone()));
         self.plan(true, LISTS_SHARE, meter);
@@ -322,7 +324,8 @@ impl<'a> FewArrangements<'a> {
         }
     }
 
-    /// Plans the arrangements that may be better than the best, by lists or by all positions, each on a share of the budget that is left.
+    /// Plans the arrangements that may improve on the best plan, by lists or by joint search, each on a share of the
+    /// remaining budget.
     fn plan(&mut self, by_lists: bool, share: u64, meter: &mut Meter) {
         for mut own in std::mem::take(&mut self.due) {
             let bounds = own.bounds;
@@ -355,7 +358,8 @@ impl<'a> FewArrangements<'a> {
     }
 }
 
-/// The arrangements in the order of their bounds: first by lists, and then by all positions where fewer steps are not ruled out.
+/// Plans all arrangements in the order of their bounds: first by lists, and then by joint search where fewer steps are
+/// not ruled out.
 fn of_few(
     site: &AssaySite,
     choices: &Choices,
@@ -380,7 +384,7 @@ fn of_few(
     }
 }
 
-/// The best of the arrangements of some schedules on paper, and better ones from there on.
+/// Plans the arrangements of some relaxed schedules, and improves the best one.
 fn of_many(site: &AssaySite, choices: &Choices, objective: BoardObjective, meter: &mut Meter) -> PlacedAnswer {
     let mut ways = BoardWays::new(site, meter);
     let timed = critical_path::timed(choices.operations, &mut ways);
@@ -409,16 +413,16 @@ fn of_many(site: &AssaySite, choices: &Choices, objective: BoardObjective, meter
     }
 }
 
-/// More arrangements than have a bound each.
+/// Planning of arrangements too many to have a lower bound each.
 struct ManyArrangements<'a> {
     site: &'a AssaySite<'a>,
     choices: &'a Choices<'a>,
     objective: BoardObjective,
     bounds: BoardCosts,
     best: Option<PlacedPlan>,
-    /// Of the best plan.
+    /// Places of the best plan.
     places: Vec<usize>,
-    /// The schedule on paper from which that comes, if it does.
+    /// The relaxed schedule from which the best plan comes, if it does.
     paper: Option<PaperSchedule>,
 }
 
@@ -431,7 +435,7 @@ impl ManyArrangements<'_> {
         self.cost().is_some_and(|[best, _]| best <= ordered(self.objective, self.bounds)[0])
     }
 
-    /// Keeps a plan if it is better than the best.
+    /// Keeps a plan if it is better than the best one; returns whether it is.
     fn offer(&mut self, plan: PlacedPlan, places: Vec<usize>) -> bool {
         let is_better = self.cost().is_none_or(|best| cost(self.objective, &plan) < best);
         if is_better {
@@ -440,7 +444,7 @@ impl ManyArrangements<'_> {
         is_better
     }
 
-    /// Plans those of schedules on paper; the first one by all means.
+    /// Plans the arrangement of a relaxed schedule; while there is no plan, with every method.
     fn realise(&mut self, paper: PaperSchedule, meter: &mut Meter) {
         let places = self.choices.on_paper(self.site.order, &paper);
         let operations = self.choices.at(&places);
@@ -459,8 +463,8 @@ impl ManyArrangements<'_> {
         }
     }
 
-    /// Where no schedule on paper leads to a plan, those that are drawn at random, until one has a plan: by lists, and then by all positions, which is
-    /// quick where parts cannot pass.
+    /// Where no relaxed schedule yields a plan: tries random arrangements until one does, by lists, and then with joint
+    /// search too, which is quick where parts cannot pass.
     fn draw(&mut self, meter: &mut Meter) {
         let mut random = SplitMix64::new(0);
         for nth in 0..2 * MAX_DRAWN {
@@ -476,7 +480,7 @@ impl ManyArrangements<'_> {
         }
     }
 
-    /// The plan of an arrangement on so many steps of the budget.
+    /// Plans an arrangement within `steps` steps of the budget.
     fn planned(
         &self,
         operations: Vec<AssayOperation>,
@@ -492,7 +496,7 @@ impl ManyArrangements<'_> {
         }
     }
 
-    /// Looks for a better order at the places of the best plan, on most of the budget.
+    /// Looks for a better order at the places of the best plan, with most of the budget.
     fn better_order(&mut self, meter: &mut Meter) {
         let Some(paper) = self.paper.take().filter(|_| !self.is_least()) else { return };
         let (places, left) = (self.places.clone(), meter.left().steps);
@@ -502,7 +506,7 @@ impl ManyArrangements<'_> {
         }
     }
 
-    /// Plans arrangements that differ from the best one in one place, as long as plans become better.
+    /// Plans arrangements that differ from the best one in one place, as long as plans improve.
     fn improve(&mut self, meter: &mut Meter) {
         let (mut looked, mut tried, mut is_better) = (0, 0, self.best.is_some());
         let looks = looks(self.choices.operations);
@@ -530,8 +534,8 @@ impl ManyArrangements<'_> {
         }
     }
 
-    /// Plans those whose lower bounds are least and below the best plan, as of few; the bound of all others holds for what is left. Answers
-    /// with the reason for the first one if none has a plan.
+    /// Plans the arrangements whose lower bounds are least and below the best plan, as if they were few; the least
+    /// bound of all others bounds the rest. Returns the reason for the first arrangement if none has a plan.
     fn plan_least_bounds(&mut self, meter: &mut Meter) -> Option<Box<NoArrangement>> {
         if self.is_least() {
             return None;
@@ -565,7 +569,7 @@ impl ManyArrangements<'_> {
         Some(Box::new(NoArrangement { count, ..*why }))
     }
 
-    /// Whether the plans of an arrangement may be better than the best.
+    /// Whether an arrangement may have a better plan than the best one.
     fn is_hopeful(&self, operations: &[AssayOperation], meter: &mut Meter) -> bool {
         let Some([best, _]) = self.cost() else { return true };
         let limits = with_problem(self.site, operations, |_, problem| assay::bounds(&problem?, meter));

@@ -1,7 +1,8 @@
-//! When operations of an assay can take place at the earliest, and how long all that comes after them takes, wherever that is.
+//! Critical path of an assay, for any choice of places: the earliest instant of each operation, and the least time of
+//! everything after it.
 //!
-//! Each part goes from place to place as if it were alone, to whichever is best for what it does next; parts that merge wait for each
-//! other, and what comes after something waits for the earliest end of it.
+//! Each part moves as if it were alone, to the place that is best for its next operation. Parts that merge wait for
+//! each other, and an operation that comes after others waits for their earliest end.
 
 use crate::claims::electrode_array::AssayOperation;
 use crate::device::electrode_array::ElectrodeCell;
@@ -11,16 +12,16 @@ use crate::plan::electrode_array::fast::{Distances, UNREACHABLE};
 use crate::plan::electrode_array::stage;
 use crate::plan::search::Meter;
 
-/// Cells where a part may be, each with an instant.
+/// Cells that a part may reach, each with the earliest instant.
 pub(super) type ReachedCells = Vec<(CellIndex, u64)>;
 
-/// A place at which an operation may take place.
+/// A place where an operation may take place.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TimedPlace {
     pub cell: CellIndex,
-    /// The earliest instant at which it can begin there,
+    /// The earliest instant at which it can begin there.
     pub head: u64,
-    /// and least steps from its end there to the end of all that must come after it.
+    /// Least steps from its end there to the end of everything that must follow.
     pub tail: u64,
 }
 
@@ -29,20 +30,20 @@ pub(super) struct TimedPlace {
 pub(super) struct TimedOperation {
     /// Steps for which its part stays.
     pub stay: u64,
-    /// Those that its parts can come to.
+    /// The places that its parts can reach.
     pub places: Vec<TimedPlace>,
-    /// The cells of each of its stops. None: it takes place where the operation before has left its part.
+    /// The cells of each of its stops. Empty if it takes place where the previous operation has left its part.
     pub stops: Vec<Vec<CellIndex>>,
-    /// For each of its parts, the operation before, and where that has left it if it is not at that one's place.
+    /// For each of its parts, the previous operation and where that leaves the part.
     pub before: Vec<PartBefore>,
 }
 
-/// What a part did before an operation.
+/// State of a part before an operation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PartBefore {
-    /// None: it has been there from the beginning, or comes.
+    /// Its previous operation; `None` if it has had none.
     pub operation: Option<usize>,
-    /// Where it is, whatever the place of that operation.
+    /// Its cell, if that does not depend on the place of that operation.
     pub at: Option<CellIndex>,
 }
 
@@ -52,7 +53,7 @@ impl TimedOperation {
         self.places.iter().map(|place| place.head).min().unwrap_or(0)
     }
 
-    /// Least steps from its end to the end of all that comes after it.
+    /// Least steps from its end to the end of everything that follows.
     pub fn tail(&self) -> u64 {
         self.places.iter().map(|place| place.tail).min().unwrap_or(0)
     }
@@ -70,7 +71,7 @@ pub(super) fn timed(operations: &[AssayOperation], ways: &mut BoardWays) -> Vec<
     timed
 }
 
-/// The operations with the earliest instants, and without what comes after them.
+/// The operations with their earliest instants; the tails are 0 yet.
 fn heads(operations: &[AssayOperation], ways: &mut BoardWays) -> Vec<TimedOperation> {
     let site = ways.site;
     let flat = |cell: ElectrodeCell| stage::flat(site.order, cell);
@@ -114,7 +115,7 @@ fn heads(operations: &[AssayOperation], ways: &mut BoardWays) -> Vec<TimedOperat
     timed
 }
 
-/// Adds what comes after the operations.
+/// Adds the tails.
 fn tails(operations: &[AssayOperation], timed: &mut [TimedOperation], ways: &mut BoardWays) {
     for nth in (0..timed.len()).rev() {
         let own = timed[nth].clone();
@@ -137,7 +138,7 @@ fn tails(operations: &[AssayOperation], timed: &mut [TimedOperation], ways: &mut
     }
 }
 
-/// The cells of each stop of an operation; of the last one, of which the plan chooses.
+/// The cells of each stop of an operation; if the plan chooses the place, all of its places as a single stop.
 fn stops(operation: &AssayOperation, flat: impl Fn(ElectrodeCell) -> CellIndex) -> Vec<Vec<CellIndex>> {
     if operation.among.is_empty() {
         return operation.stops.iter().map(|stop| vec![flat(stop.cell)]).collect();
@@ -145,7 +146,7 @@ fn stops(operation: &AssayOperation, flat: impl Fn(ElectrodeCell) -> CellIndex) 
     vec![operation.among.iter().map(|place| flat(place.stop.cell)).collect()]
 }
 
-/// Ways on the board with nothing but its obstacles.
+/// Distances on the board with its obstacles only.
 pub(super) struct BoardWays<'a, 'm> {
     pub site: &'a AssaySite<'a>,
     distances: Distances,
@@ -157,12 +158,13 @@ impl<'a, 'm> BoardWays<'a, 'm> {
         BoardWays { site, distances: Distances::of(site.ground.board()), meter }
     }
 
-    /// The first instants at the cells of the last of some stops, from cells with their instants; where there is no stop, these.
+    /// The earliest instants at the cells of the last stop, from cells with their instants, through all stops in order;
+    /// `from` itself if there is no stop.
     pub fn through(&mut self, from: &[(CellIndex, u64)], stops: &[Vec<CellIndex>]) -> ReachedCells {
         stops.iter().fold(from.to_vec(), |from, to| self.reach(&from, to))
     }
 
-    /// The first instants at some cells; those that cannot be reached are left out.
+    /// The earliest instants at some cells; cells that cannot be reached are left out.
     pub fn reach(&mut self, from: &[(CellIndex, u64)], to: &[CellIndex]) -> ReachedCells {
         let board = self.site.ground.board();
         let mut reached = Vec::with_capacity(to.len());

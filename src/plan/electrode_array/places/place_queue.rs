@@ -1,52 +1,54 @@
-//! Operations that take turns at a number of equal places: lower bounds of the time until all that comes after them is done.
+//! Lower bound for operations that take turns at a number of equivalent places: the time until everything after them is
+//! done.
 //!
-//! Parallel machines with heads and tails (Carlier 1987): each place has a first operation and a last one. So the time of all places
-//! together is at least that of the earliest heads, one for each place, all stays, and the shortest tails, and the longest is at least their
-//! mean. Droplets that take turns at a place move out of each other's way in between; and those that come out of one reservoir come
-//! one after the other, so that the heads of later ones are later.
+//! Parallel machines with heads and tails (Carlier 1987): each place has a first and a last operation. So the total
+//! time of all places is at least the sum of the earliest heads, one for each place, all stays, and the shortest tails;
+//! the longest time of a place is at least the mean. In addition, droplets that take turns at a place must make room in
+//! between, and droplets from one reservoir are dispensed one after the other, so that later ones have later heads.
 
 use crate::plan::electrode_array::board::CellIndex;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Most operations of which each set that begins late has a bound of its own: the cost is the square of their number.
+/// Most operations for which each subset with late heads gets a bound of its own; the cost is quadratic in their
+/// number.
 const MAX_SETS: usize = 1_000;
 
-/// An operation that has one of the places to itself.
+/// An operation that needs one of the places alone.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ServedOperation {
-    /// The earliest instant at which it can begin,
+    /// The earliest instant at which it can begin.
     pub head: u64,
-    /// steps for which it stays,
+    /// Steps for which it stays.
     pub stay: u64,
-    /// and least steps from its end to the end of all that must come after it.
+    /// Least steps from its end to the end of everything that must follow.
     pub tail: u64,
-    /// The same number for droplets that may follow each other as one: that merge or come out of one another.
+    /// Equal for droplets that may follow each other without a changeover: those that merge or split.
     pub family: usize,
-    /// The same number for operations at one place, whichever that is.
+    /// Equal for operations at the same place, whichever that is.
     pub block: usize,
     pub source: Option<DropletSource>,
 }
 
-/// The reservoir from which a droplet comes.
+/// The dispensing of a droplet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DropletSource {
     pub outlet: CellIndex,
     pub droplet: usize,
-    /// Least steps from the instant at which it comes to the one at which the operation begins.
+    /// Least steps from the instant at which it is on the board to the beginning of the operation.
     pub steps: u64,
 }
 
-/// Operations at the same places.
+/// Operations that share the same places.
 pub(super) struct PlaceQueue {
     places: u64,
-    /// Steps between the stays of two droplets at a place.
+    /// Changeover: steps between the stays of two droplets at a place.
     change: u64,
-    /// By outlet: steps from the coming of one droplet to that of the next.
+    /// By outlet: least steps between the appearance of one droplet and that of the next.
     turns: BTreeMap<CellIndex, u64>,
     pub served: Vec<ServedOperation>,
 }
 
-/// The operations of one block that count.
+/// A block of operations at one place: their least head and tail.
 #[derive(Debug, Clone, Copy)]
 struct ServedBlock {
     head: u64,
@@ -59,7 +61,7 @@ impl PlaceQueue {
         PlaceQueue { places, change, turns, served: Vec::new() }
     }
 
-    /// The earliest end of all of them with all that comes after them.
+    /// Lower bound on the end of all operations and everything that follows them.
     pub fn end(&self) -> u64 {
         let mut by_head: Vec<&ServedOperation> = self.served.iter().collect();
         by_head.sort_by_key(|one| one.head);
@@ -72,7 +74,7 @@ impl PlaceQueue {
         sets.max().unwrap_or(0).max(whole)
     }
 
-    /// As [`PlaceQueue::end`], if only these had to be done.
+    /// As [`PlaceQueue::end`], for a subset of the operations.
     fn end_of(&self, served: &[&ServedOperation]) -> u64 {
         let mut blocks: BTreeMap<usize, ServedBlock> = BTreeMap::new();
         for one in served {
@@ -93,7 +95,8 @@ impl PlaceQueue {
         (heads + work + least(blocks.iter().map(|block| block.tail), used)).div_ceil(used)
     }
 
-    /// The sum of the earliest heads, since droplets come one after the other. How they do is open: those with most blocks first.
+    /// Lower bound on the sum of the earliest heads, given that droplets are dispensed one after the other. Their order
+    /// is open: assuming that droplets with most blocks come first is a relaxation.
     fn heads_by_outlets(&self, blocks: &[ServedBlock], used: u64) -> u64 {
         let mut outlets: BTreeMap<CellIndex, CommonOutlet> = BTreeMap::new();
         for block in blocks {
@@ -119,22 +122,23 @@ impl PlaceQueue {
     }
 }
 
-/// What comes out of one reservoir.
+/// Droplets from one reservoir.
 struct CommonOutlet {
     head: u64,
     steps: u64,
-    /// By droplet: its blocks.
+    /// By droplet: number of its blocks.
     blocks: BTreeMap<usize, usize>,
 }
 
-/// How the droplet of a block came, with the fewer steps; none where that is not known, or several droplets are in question.
+/// The common source of two operations, with the fewer steps; `None` if one is unknown or they come from different
+/// droplets.
 fn earliest(one: Option<DropletSource>, other: Option<DropletSource>) -> Option<DropletSource> {
     let (one, other) = (one?, other?);
     let is_same = (one.outlet, one.droplet) == (other.outlet, other.droplet);
     is_same.then_some(DropletSource { steps: one.steps.min(other.steps), ..one })
 }
 
-/// The sum of the least of some numbers.
+/// The sum of the `count` least numbers.
 fn least(numbers: impl Iterator<Item = u64>, count: u64) -> u64 {
     let mut numbers: Vec<u64> = numbers.collect();
     numbers.sort_unstable();
@@ -146,7 +150,8 @@ mod tests {
     use super::*;
     use crate::random::SplitMix64;
 
-    /// When all is done: each order of the droplets of each outlet, each place of each block, each order of the operations.
+    /// The least end by exhaustive search: each dispensing order, each place of each block, each order of the
+    /// operations.
     fn shortest(queue: &PlaceQueue) -> u64 {
         let droplets: BTreeSet<(CellIndex, usize)> =
             queue.served.iter().filter_map(|one| one.source).map(|source| (source.outlet, source.droplet)).collect();

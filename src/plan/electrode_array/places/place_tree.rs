@@ -1,34 +1,35 @@
-//! Choices of places in the order of lower bounds, of which most are never written down.
+//! Enumerates choices of places in the order of their lower bounds, mostly without writing them down.
 //!
-//! Method: best-first branching. A node has places for the first of the operations that leave them open; its bound holds wherever the others
-//! take place. Guaranteed: no choice comes before one whose bound is lower, and [`PlaceTree::least`] is a bound of all that have not come yet.
-//! Cost: a bound for each place of the next operation at each node that is taken up.
+//! Method: best-first branch and bound. A node fixes the places of the first operations with several places; its bound
+//! holds for any places of the others. Guaranteed: no choice comes before one whose bound is lower, and
+//! [`PlaceTree::least`] bounds all choices that have not come yet. Cost: for each expanded node, a bound for each place
+//! of the next operation.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// The lowest bound first, of equals the one with most places, then the one that came first.
+/// Ordered by the lowest bound, then the most places fixed, then the age.
 type PlaceNode = Reverse<(u64, Reverse<usize>, usize, Vec<usize>)>;
 
 /// The choices that have not come yet.
 pub(super) struct PlaceTree<'a> {
-    /// How many places each operation has.
+    /// Number of places of each operation.
     counts: &'a [usize],
     open: BinaryHeap<PlaceNode>,
-    /// How many nodes there have been.
+    /// Number of nodes created.
     nodes: usize,
-    /// Nodes of which a bound may still be asked for.
+    /// Number of bounds that may still be computed.
     looks: usize,
 }
 
 impl PlaceTree<'_> {
-    /// All choices, with what bounds them all, and most nodes of which a bound is asked for.
+    /// All choices, with a bound on all of them and the most bounds that may be computed.
     pub fn new(counts: &[usize], bound: u64, looks: usize) -> PlaceTree<'_> {
         PlaceTree { counts, open: BinaryHeap::from([Reverse((bound, Reverse(0), 0, Vec::new()))]), nodes: 1, looks }
     }
 
-    /// The next choice with its bound; `None` when all bounds that are left have come to `limit`, or no more bounds may be asked for.
-    /// `bound_of` is asked for the bound of places of the first operations.
+    /// The next choice with its bound; `None` when all remaining bounds are at least `limit`, or no more bounds may be
+    /// computed. `bound_of` computes the bound of places of the first operations.
     pub fn next(&mut self, limit: u64, mut bound_of: impl FnMut(&[usize]) -> u64) -> Option<(Vec<usize>, u64)> {
         while self.least()? < limit {
             let depth = self.open.peek().map_or(0, |Reverse((.., places))| places.len());
@@ -50,7 +51,7 @@ impl PlaceTree<'_> {
         None
     }
 
-    /// The least bound of what has not come yet; `None` when all has.
+    /// The least bound of the remaining choices; `None` when there are none.
     pub fn least(&self) -> Option<u64> {
         self.open.peek().map(|Reverse((bound, ..))| *bound)
     }
@@ -61,7 +62,7 @@ mod tests {
     use super::*;
     use crate::random::SplitMix64;
 
-    /// Costs of places that grow with each operation, so that every prefix has a bound.
+    /// Sum of the costs of places. It grows with each operation, so that every prefix is a bound.
     fn cost(costs: &[Vec<u64>], places: &[usize]) -> u64 {
         places.iter().enumerate().map(|(nth, place)| costs[nth][*place]).sum()
     }

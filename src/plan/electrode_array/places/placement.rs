@@ -1,10 +1,11 @@
-//! Places for the operations of which the program leaves them open, by a schedule on paper.
+//! Chooses places for operations by a relaxed schedule, which ignores conflicts on the way.
 //!
-//! List scheduling with left-edge placement: of the operations whose parts are free the first that can begin comes next, or the most urgent
-//! one, at the place at which it can begin first, of equals the nearest. A part keeps its place until it leaves for another one, and a
-//! reservoir gives a droplet as late as it can. Ways take as long as they do alone: whether they lead past each other is left to the
-//! planner. Method: what has most to come after it is urgent at first; then the urgency of one part after the other is changed at random,
-//! and kept where the schedule is no longer than before.
+//! List scheduling with left-edge placement: among the operations whose parts are free, the one that can begin first,
+//! or the most urgent one, is scheduled next, at the place where it can begin first; ties go to the nearest. A part
+//! keeps its place until it leaves for another one, and a reservoir dispenses as late as possible. Each path takes as
+//! long as it does alone; the planner has to resolve conflicts later. Method: at first the urgency of an operation is
+//! the time of everything after it; then local search changes the urgency of one part at a time at random, and keeps
+//! the change if the schedule is no longer than before.
 
 use super::critical_path::{BoardWays, TimedOperation};
 use crate::claims::electrode_array::AssayOperation;
@@ -13,64 +14,64 @@ use crate::plan::electrode_array::stage;
 use crate::random::SplitMix64;
 use std::collections::BTreeMap;
 
-/// Of how many operations that could come next one is taken: the most urgent ones.
+/// Most operations considered for the next turn: the most urgent ones.
 const MAX_NEXT: usize = 200;
 
-/// Looks for the place of an operation that all draws of one schedule together take, about,
+/// Approximate limit on place searches for operations, in all draws of one schedule together.
 const MAX_PAPER_LOOKS: usize = 400_000;
 
-/// and so many draws at most that lead to no shorter schedule.
+/// Most consecutive draws without a shorter schedule.
 const MAX_IDLE_DRAWS: usize = 200;
 
-/// A schedule on paper.
+/// A relaxed schedule: it ignores conflicts on the way.
 #[derive(Debug, Clone)]
 pub(super) struct PaperSchedule {
-    /// By operation: the cell that it has got, of those that it leaves open,
+    /// By operation: its chosen cell, if it has several places.
     pub cells: Vec<Option<CellIndex>>,
-    /// and when it begins.
+    /// By operation: the instant at which it begins.
     pub begins: Vec<u64>,
     /// The end of the last operation.
     pub end: u64,
-    /// How many places of operations were looked for.
+    /// Number of place searches.
     looks: usize,
 }
 
 impl PaperSchedule {
-    /// When operations begin; 0 where there is none.
+    /// By agent and errand: the instant at which its operation begins; 0 if it has none.
     pub fn of(&self, operations: &[Vec<Option<usize>>]) -> Vec<Vec<u32>> {
         let begin = |nth: &Option<usize>| nth.map_or(0, |nth| u32::try_from(self.begins[nth]).unwrap_or(u32::MAX));
         operations.iter().map(|own| own.iter().map(begin).collect()).collect()
     }
 }
 
-/// In which order operations come.
+/// Rule for the next operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum PaperOrder {
-    /// By their beginning.
+    /// The one that can begin first.
     EarliestBegin,
-    /// Of those that can begin before the first of their places would be free again, the most urgent one.
+    /// The most urgent one among those that can begin before the first of their places would be free again.
     MostUrgent,
 }
 
-/// Where a droplet that has been dispensed waits until it is of use.
+/// Where a dispensed droplet waits until it is needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PaperWait {
-    /// At the outlet, for which others then have to wait.
+    /// At the outlet, which blocks the next droplets.
     AtOutlet,
-    /// Somewhere on the board, which has room for all.
+    /// Anywhere on the board, which is assumed to have room for all.
     OnBoard,
 }
 
-/// What a schedule on paper begins with.
+/// Terms of a relaxed schedule.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PaperTerms {
     pub seed: u64,
-    /// None is looked for that takes less.
+    /// Lower bound on its end; a schedule that meets it ends the search.
     pub least: u64,
     pub wait: PaperWait,
 }
 
-/// Places for all operations, by the changes of a seed.
+/// Schedules all operations, with random changes from a seed.
 pub(super) fn schedule(
     operations: &[AssayOperation],
     timed: &[TimedOperation],
@@ -108,7 +109,7 @@ pub(super) fn schedule(
     best
 }
 
-/// For each operation the steps for which it and those after it keep a place.
+/// For each operation, the steps for which it and its successors at the same place keep that place.
 fn occupied(timed: &[TimedOperation]) -> Vec<u64> {
     let mut occupied: Vec<u64> = timed.iter().map(|one| one.stay).collect();
     for (nth, one) in timed.iter().enumerate().rev() {
@@ -120,32 +121,32 @@ fn occupied(timed: &[TimedOperation]) -> Vec<u64> {
     occupied
 }
 
-/// Where a part is from an instant on.
+/// A part, with its cell from an instant on.
 #[derive(Debug, Clone, Copy)]
 struct PaperPart {
     at: CellIndex,
     since: u64,
-    /// The dispensing by which it comes there, that has not begun.
+    /// The dispensing by which it enters there, if that has not begun.
     comes: Option<usize>,
 }
 
-/// A place in use.
+/// Use of a place.
 #[derive(Debug, Clone, Copy, Default)]
 struct PaperPlace {
-    /// By a part that is there until it leaves.
+    /// The part that is there until it leaves.
     by: Option<usize>,
-    /// When the next one can be there, once nobody is.
+    /// The instant from which the next part can be there, once the place is free.
     free: u64,
 }
 
-/// Where and when an operation can begin.
+/// Place and instant at which an operation can begin.
 #[derive(Debug, Clone, Copy)]
 struct PaperBegin {
     cell: CellIndex,
     begin: u64,
-    /// The steps of its parts on their way.
+    /// Travel steps of its parts, in total.
     way: u64,
-    /// Whether another part is there that would have to leave.
+    /// Whether another part is there that must leave first.
     is_taken: bool,
 }
 
@@ -153,22 +154,23 @@ struct Paper<'a, 'w, 'm> {
     operations: &'a [AssayOperation],
     timed: &'a [TimedOperation],
     urgency: &'a [u64],
-    /// By operation: the steps for which it and those after it keep a place.
+    /// By operation: the steps for which it and its successors at the same place keep that place.
     occupied: &'a [u64],
     ways: &'a mut BoardWays<'w, 'm>,
-    /// By operation: how many others it waits for, and those that wait for it.
+    /// By operation: number of operations that it waits for, and the operations that wait for it.
     waits: Vec<usize>,
     followers: Vec<Vec<usize>>,
-    /// Those that wait for none, the most urgent first.
+    /// Operations that wait for none, the most urgent first.
     due: Vec<usize>,
     parts: Vec<Option<PaperPart>>,
     places: BTreeMap<CellIndex, PaperPlace>,
     ends: Vec<Option<u64>>,
     cells: Vec<Option<CellIndex>>,
     wait: PaperWait,
-    /// Where droplets wait on the board: by outlet, the instants `from..to` in which a reservoir dispenses a droplet and that one leaves.
+    /// If droplets wait on the board: by outlet, the instants `from..to` from the start of a dispensing until the
+    /// outlet is clear.
     dispensing: BTreeMap<CellIndex, Vec<(u64, u64)>>,
-    /// Steps between two droplets at a place.
+    /// Changeover: steps between two droplets at a place.
     change: u64,
 }
 
@@ -223,7 +225,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         paper
     }
 
-    /// The whole schedule.
+    /// Draws the whole schedule.
     fn drawn(mut self, order: PaperOrder) -> PaperSchedule {
         let mut looks = 0;
         loop {
@@ -240,7 +242,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         PaperSchedule { cells: self.cells, begins, end, looks }
     }
 
-    /// An operation waits for no other. A droplet is dispensed when it is of use.
+    /// Handles an operation that waits for no other. A dispensing is postponed until its droplet is needed.
     fn ready(&mut self, nth: usize) {
         let operation = &self.operations[nth];
         let next = self.followers[nth]
@@ -257,7 +259,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         self.due.insert(to, nth);
     }
 
-    /// One that an operation waits for is done.
+    /// Records that a predecessor of an operation is done.
     fn is_done_for(&mut self, nth: usize) {
         self.waits[nth] -= 1;
         if self.waits[nth] == 0 {
@@ -265,7 +267,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         }
     }
 
-    /// The operation that comes next, with its place; `None` when none is left.
+    /// The operation scheduled next, with its place; `None` when none is left.
     fn next(&mut self, order: PaperOrder) -> Option<(usize, PaperBegin)> {
         let due: Vec<usize> = self.due.iter().take(MAX_NEXT).copied().collect();
         let mut begins: Vec<(usize, PaperBegin)> =
@@ -280,7 +282,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         }
     }
 
-    /// The first instant at which an operation can begin, and where.
+    /// The first instant at which an operation can begin, and its place.
     fn begin(&mut self, nth: usize) -> Option<PaperBegin> {
         let (operation, one) = (&self.operations[nth], &self.timed[nth]);
         let after = self.after(nth);
@@ -318,12 +320,13 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         best
     }
 
-    /// When all is over that an operation comes after.
+    /// The instant at which all predecessors of an operation are over.
     fn after(&self, nth: usize) -> u64 {
         self.operations[nth].after.iter().filter_map(|earlier| self.ends[*earlier]).max().unwrap_or(0)
     }
 
-    /// Where a part can leave for an operation; of one that is to come, when it has.
+    /// Cell and instant from which a part can leave for an operation; a part that is still to be dispensed can do so
+    /// once it is.
     fn there(&self, part: usize) -> Option<PaperPart> {
         let own = self.parts[part]?;
         let Some(comes) = own.comes else { return Some(own) };
@@ -337,7 +340,8 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         Some(PaperPart { since, ..own })
     }
 
-    /// The last instant no later than one at which a reservoir can have dispensed the droplet of an operation; if there is none, the first one.
+    /// The last instant, no later than `latest`, at which a reservoir can have dispensed the droplet of an operation;
+    /// if there is none, the first possible one.
     fn dispensed(&self, outlet: CellIndex, comes: usize, latest: u64) -> u64 {
         let booked = self.dispensing.get(&outlet).map_or([].as_slice(), Vec::as_slice);
         let (mut free, mut found) = (self.after(comes), None);
@@ -354,7 +358,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         found.unwrap_or(free)
     }
 
-    /// Notes that a droplet is dispensed that has to leave the outlet at an instant, if it is there by then.
+    /// Records the dispensing of a droplet that leaves the outlet at `left`, or as soon as possible after it.
     fn dispense_by(&mut self, outlet: CellIndex, comes: usize, left: u64) {
         match self.wait {
             PaperWait::AtOutlet => {
@@ -371,7 +375,8 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         }
     }
 
-    /// Dispenses the first droplet that is to come: others wait for that, and nothing for the droplet itself.
+    /// Dispenses the first droplet whose dispensing was postponed, when nothing needs the droplet but others wait for
+    /// the dispensing. Returns whether there was one.
     fn dispense(&mut self) -> bool {
         let Some(part) = self.parts.iter().position(|part| part.is_some_and(|part| part.comes.is_some())) else {
             return false;
@@ -382,7 +387,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         true
     }
 
-    /// Notes that an operation takes place.
+    /// Schedules an operation at a place.
     fn take(&mut self, nth: usize, place: PaperBegin) {
         let (operation, stay) = (&self.operations[nth], self.timed[nth].stay);
         self.due.retain(|other| *other != nth);

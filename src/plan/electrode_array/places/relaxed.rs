@@ -1,8 +1,8 @@
-//! Lower bounds of an assay that hold wherever its operations take place.
+//! Lower bounds on an assay that hold for any choice of places.
 //!
-//! Each part alone takes as long as its way and its stays at the best places ([`super::critical_path`]). Where several operations stay at
-//! the same places, none takes place while another one is there ([`super::place_queue`]); so it is with droplets that come out of one
-//! reservoir, and with the loops round which droplets are mixed.
+//! Each part alone takes at least its travel and its stays at the best places ([`super::critical_path`]). Where several
+//! operations stay at the same places, only one at a time can use a place ([`super::place_queue`]). The same holds for
+//! droplets from one reservoir, and for mixing loops.
 
 use super::critical_path::{BoardWays, ReachedCells, TimedOperation};
 use super::place_queue::{DropletSource, PlaceQueue, ServedOperation};
@@ -14,14 +14,14 @@ use crate::plan::electrode_array::errands::AssaySite;
 use crate::plan::electrode_array::stage;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Bounds on the plans of all arrangements.
+/// Lower bounds on the plans of all arrangements.
 pub(super) fn bounds(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut BoardWays) -> BoardCosts {
     let alone = timed.iter().map(|one| one.head() + one.stay).max().unwrap_or(0);
     let queued = queues(operations, timed, ways).values().map(PlaceQueue::end).max().unwrap_or(0);
     BoardCosts { makespan: alone.max(queued), sum_of_costs: sum_of_costs(operations, timed, ways) }
 }
 
-/// Least steps of all parts from where each begins to where its last stop may be.
+/// Least steps of all parts from their starts to the places of their last stops.
 fn sum_of_costs(operations: &[AssayOperation], timed: &[TimedOperation], ways: &mut BoardWays) -> u64 {
     let flat = |cell| stage::flat(ways.site.order, cell);
     let mut starts: Vec<Option<CellIndex>> = ways.site.cells.iter().map(|cell| cell.map(flat)).collect();
@@ -40,25 +40,25 @@ fn sum_of_costs(operations: &[AssayOperation], timed: &[TimedOperation], ways: &
     lasts.iter().filter_map(away).sum()
 }
 
-/// What an operation has to itself.
+/// Resource that an operation needs alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum TurnKind {
-    /// The cell at which it stays.
+    /// The cell where it stays.
     Stay,
-    /// The mixing loop from there on.
+    /// The mixing loop from that cell on.
     Loop,
-    /// The outlet at which it comes.
+    /// The outlet where it enters.
     Outlet,
 }
 
-/// The operations by what they have to themselves, and where.
+/// The operations by the resources that they need alone.
 fn queues(
     operations: &[AssayOperation],
     timed: &[TimedOperation],
     ways: &mut BoardWays,
 ) -> BTreeMap<(TurnKind, Vec<CellIndex>), PlaceQueue> {
     let (room, changes) = (MixerRoom::of(ways.site), Changes::of(ways.site, operations, timed));
-    // Droplets that merge, and those that come out of them, may follow each other as one.
+    // Droplets that merge or split may follow each other without a changeover.
     let joined = operations.iter().flat_map(|one| one.all_parts().map(|other| (one.part, other)));
     let (families, sources) = (families(ways.site.cells.len(), joined), sources(operations, timed, ways));
     let mut blocks: Vec<usize> = Vec::with_capacity(timed.len());
@@ -72,7 +72,7 @@ fn queues(
         let mut cells: Vec<CellIndex> = one.cells().collect();
         cells.sort_unstable();
         for kind in turns(operation, one.stay, room.as_ref()) {
-            // Each droplet needs the outlet for itself, whatever it merges with later.
+            // Each droplet needs the outlet alone, whatever it merges with later.
             let family = if kind == TurnKind::Outlet { operation.part } else { families[operation.part] };
             let empty = || PlaceQueue::new(cells.len() as u64, changes.between(&cells), changes.turns.clone());
             queues.entry((kind, cells.clone())).or_insert_with(empty).served.push(ServedOperation {
@@ -88,9 +88,9 @@ fn queues(
     queues
 }
 
-/// What an operation has to itself for its stay.
+/// The resources that an operation needs alone for its stay.
 fn turns(operation: &AssayOperation, stay: u64, room: Option<&MixerRoom>) -> impl Iterator<Item = TurnKind> {
-    // Who stays at a corner for less than a round may do so while another one is at the far end.
+    // A stay at a corner for less than a round is possible while another droplet is at the far end.
     let fills = || room.is_some_and(|mixer| mixer.room == LoopRoom::One && stay >= mixer.cells);
     let mixes = room.filter(|_| operation.mixes).map(|mixer| mixer.room);
     let (stays, turns) = LoopRoom::taken(mixes, || !operation.mixes && fills());
@@ -119,15 +119,15 @@ impl MixerRoom {
     }
 }
 
-/// How long droplets take to make room for the next one.
+/// Changeovers: how long droplets take to make room for the next one.
 struct Changes<'a> {
     board: &'a BoardGrid,
     separation: u32,
-    /// Where droplets may leave the board,
+    /// Cells where droplets may leave the board.
     exits: BTreeSet<CellIndex>,
-    /// and where they come.
+    /// Cells where droplets enter the board.
     outlets: BTreeSet<CellIndex>,
-    /// By outlet: least steps from the coming of one droplet to that of the next.
+    /// By outlet: least steps between the appearance of one droplet and that of the next.
     turns: BTreeMap<CellIndex, u64>,
 }
 
@@ -158,13 +158,13 @@ impl Changes<'_> {
     }
 }
 
-/// For each operation how its droplet came: that of its first part, if it came out of a reservoir.
+/// For each operation, the dispensing of its first part that comes from a reservoir, if one does.
 fn sources(
     operations: &[AssayOperation],
     timed: &[TimedOperation],
     ways: &mut BoardWays,
 ) -> Vec<Option<DropletSource>> {
-    // By part: where it may be, with the steps since it came.
+    // By part: the cells that it may reach, with the steps since it was dispensed.
     let mut since: Vec<Option<(DropletSource, ReachedCells)>> = vec![None; ways.site.cells.len()];
     let mut sources = Vec::with_capacity(operations.len());
     for (operation, one) in operations.iter().zip(timed) {

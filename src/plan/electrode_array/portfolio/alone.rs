@@ -8,7 +8,7 @@
 use crate::plan::electrode_array::board::{BoardGrid, CellIndex, Instance, NoBoardPlan};
 use rustc_hash::FxHashMap;
 
-/// The path of the only agent of an instance.
+/// The path of the only agent of an instance. The error names the first stop that is cut off.
 pub fn way(instance: &Instance) -> Result<Vec<CellIndex>, NoBoardPlan> {
     let agent = &instance.agents[0];
     let mut way = vec![agent.start];
@@ -23,7 +23,7 @@ pub fn way(instance: &Instance) -> Result<Vec<CellIndex>, NoBoardPlan> {
 /// The cells after `from` on a shortest path to `to`.
 fn leg(board: &BoardGrid, from: CellIndex, to: CellIndex) -> Option<Vec<CellIndex>> {
     let mut parents: FxHashMap<CellIndex, CellIndex> = FxHashMap::default();
-    // Open cells with their parents: those of the least estimate, and those of the next.
+    // Open cells with their parents: those of the least estimate, and those of the next one.
     let (mut now, mut next) = (vec![(from, from)], Vec::new());
     loop {
         let Some((cell, parent)) = now.pop() else {

@@ -1,21 +1,23 @@
-//! The default planner: a plan quickly, then better ones, then the proof.
+//! The default planner: finds a plan quickly, then improves it, then proves it optimal.
 //!
-//! Problem: one stage, many parts to their goals at the same time. A single part takes its shortest path ([`alone`]). Method for
-//! several, in this order (where channels are shared, [`channels`] has another):
-//! - In rounds of increasing length, [`fast::first`] searches for a plan, but not where the parts are dense, then [`lacam::first`] and,
-//!   one part moving at a time, [`joint`]; then [`exact::prove`] for a reason why there is none (small joint spaces, parts that block
-//!   each other), until one of them succeeds.
+//! Problem: one stage; many parts move to their goals at the same time. A single part takes its shortest path
+//! ([`alone`]). Method for several parts, in this order (where channels are shared, [`channels`] has another):
+//! - In rounds of increasing budget, until one succeeds: [`fast::first`] searches for a plan, except where the parts
+//!   are dense; then [`lacam::first`] and, with one part moving at a time, [`joint`]; then [`exact::prove`] looks for a
+//!   reason why there is none (small joint spaces, parts that block each other).
 //! - A small joint space is searched exhaustively.
-//! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where a round
-//!   hardly shortens the makespan, [`fast::first`] and [`fast::tighten`] within a limit between the bound and the makespan held:
-//!   with many parts a new plan within a limit is found sooner than a long one is shortened. Where the bound is not met, the same
-//!   again from the same first plan for the other objective, and from there back: a change that helps one may help the other. Once a round
-//!   hardly helps, pairs of parts are asked for a greater bound on the makespan ([`exact::raised`]).
+//! - Until the objective meets its bound or their share of the budget is spent: [`fast::improve`] in rounds and, where
+//!   a round hardly shortens the makespan, [`fast::first`] and [`fast::tighten`] within a limit between the bound and
+//!   the best known makespan: with many parts, finding a new plan within a limit is faster than shortening a long one.
+//!   Where the bound is not met, the same again from the same first plan for the other objective, and from there back:
+//!   a change that helps one may help the other. Once a round hardly helps, pairs of parts are searched for a greater
+//!   bound on the makespan ([`exact::raised`]).
 //! - [`exact::prove`] with the rest of the budget, which improves plan and bounds until they meet.
 //!
-//! Guaranteed: the answer is a legal plan with bounds that hold for every plan, a proof that there is none, or neither when the
-//! budget is spent. Same instance and budget, same answer. The figure that is not minimised is improved too, but only while that is
-//! quick, and it is not proven optimal where that takes a search. Cost: one step of the budget is one node of one search.
+//! Guaranteed: the answer is a legal plan with bounds that hold for every plan, a proof that there is none, or neither
+//! when the budget is spent. The same instance and budget give the same answer. The secondary figure is improved too,
+//! but only while that is quick, and it is not proven optimal where that takes a search. Cost: one step of the budget
+//! is one node of one search.
 
 mod alone;
 pub mod timing;
@@ -28,61 +30,65 @@ use super::joint::{self, JointAim};
 use super::{channels, exact, fast, lacam};
 use crate::plan::search::{Meter, SearchBudget};
 
-/// Steps of the first round, or as many for each step of the parts: nearly all instances that are not crowded need fewer.
+/// Budget of the first round, and its least value per step of the bound on the sum of costs: nearly all instances that
+/// are not crowded need less.
 const TURN_STEPS: u64 = 20_000;
 const TURN_STEPS_PER_MOVE: u64 = 2;
 
 /// Growth factor of the rounds.
 const TURN_GROWTH: u64 = 4;
 
-/// In each round, the search for a proof of impossibility gets one part in this many of the steps of the search for a plan.
+/// In each round, the proof of impossibility gets 1/N of the budget of the search for a plan.
 const DOUBT_SHARE: u64 = 1;
 
-/// One part in this many of the budget is reserved from the rounds for the proof that there is no plan.
+/// 1/N of the budget is kept from the rounds for the proof that there is no plan.
 const HARD_SHARE: u64 = 4;
 
-/// One part in this many of the remaining budget goes to better plans, and one to better plans via the other objective.
+/// 1/N of the remaining budget for improvement, and for improvement via the other objective.
 const IMPROVE_SHARE: u64 = 4;
 const OTHER_SHARE: u64 = 8;
 
-/// Most of the makespan's bound, in per cent, that the first round allows: a limit makes the search of each path smaller.
+/// Makespan limit of the first round, in per cent of the bound; a limit makes the search for each path smaller.
 const ROOMY_PERCENT: u64 = 150;
 
-/// Parts with the cells within their separation, counted for each part, that are more than this many per cent of the free cells are
-/// dense: an order of them hardly ever works, and none is tried in the first rounds.
+/// Parts are dense if their cells, each with the cells within the separation and overlaps counted repeatedly, exceed
+/// this percentage of the free cells. Then a priority order hardly ever works, and none is tried in the first rounds.
 const DENSE_PERCENT: u64 = 112;
 const DENSE_ROUNDS: u64 = 3;
 
-/// A first plan of configurations may take as many steps as it takes all parts to walk this many times the makespan's bound.
+/// The first plan by a search of configurations may take as many steps as all parts need for this many times the bound
+/// on the makespan.
 const WALK_BOUNDS: u64 = 16;
 
-/// With more parts a proof is unlikely, so better plans get the whole remaining budget except one part in [`IMPROVE_SHARE`]. Then
+/// Parts above which a proof is unlikely, so that improvement gets the whole remaining budget except
+/// 1/[`IMPROVE_SHARE`].
 const CROWD: usize = 36;
 
-/// a makespan of more than this, in per cent of its bound, is brought near to the bound by a new plan,
+/// With more than `CROWD` parts, a makespan above this percentage of its bound is first brought near the bound by a new
+/// plan.
 const FAR_PERCENT: u64 = 120;
 
-/// of at most this many per cent of the bound,
+/// Makespan limit of that new plan, in per cent of the bound.
 const NEAR_PERCENT: u64 = 110;
 
-/// which gets at least one in this many of the steps for better plans.
+/// The search for that new plan gets at least 1/N of the steps for improvement.
 const FAR_SHARE: u64 = 3;
 
-/// A round has stalled if it shortens the makespan by less than one part in this many.
+/// A round has stalled if it shortens the makespan by less than 1/N.
 const SHORTER: u64 = 50;
 
-/// Steps of the first round of improvement, and of the first search for a plan within a limit; each plus this many for each step of
-/// the parts.
+/// Budgets of the first round of improvement and of the first search for a plan within a limit; each gets
+/// `STEPS_PER_MOVE` more per step of the bound on the sum of costs.
 const ROUND_STEPS: u64 = 100_000;
 const SQUEEZE_STEPS: u64 = 400_000;
 const STEPS_PER_MOVE: u64 = 5;
 
-/// Steps of one round for the figure that is not minimised, besides one for each step of the parts; all such rounds together get
-/// one part in this many of the remaining budget.
+/// Budget of one round for the secondary figure, besides one step per step of the bound on the sum of costs; all such
+/// rounds together get 1/N of the remaining budget.
 const TIE_STEPS: u64 = 20_000;
 const TIE_SHARE: u64 = 16;
 
-/// A round gains little if it improves by less than one part in this many.
+/// A round gains little if it improves by at most 1/N.
 const TIE_GAIN: u64 = 500;
 
 /// Solves a stage, within `limit` steps if there is a limit.
@@ -115,7 +121,7 @@ pub fn solve_metered(
     }
 }
 
-/// The plan with which [`solve`] begins, if it finds one.
+/// The first plan of [`solve`], if it finds one.
 pub fn first(instance: &Instance, objective: BoardObjective, budget: SearchBudget) -> Option<Paths> {
     let bounds = fast::bounds(instance).ok()?;
     let meter = &mut Meter::new(budget);
@@ -125,7 +131,7 @@ pub fn first(instance: &Instance, objective: BoardObjective, budget: SearchBudge
     }
 }
 
-/// The plan of a single part, which nothing that moves can block.
+/// The plan of a single part, which no moving part can block.
 fn by_itself(instance: &Instance, limit: Option<u64>) -> BoardAnswer {
     match alone::way(instance) {
         Err(why) => BoardAnswer::Impossible(why),
@@ -146,12 +152,12 @@ struct PortfolioSearch<'a> {
     instance: &'a Instance,
     objective: BoardObjective,
     limit: Option<u64>,
-    /// Lower bounds, at first from the parts alone.
+    /// Lower bounds; initially those of the parts alone.
     bounds: BoardCosts,
-    /// Whether pairs were asked for a greater one.
+    /// Whether the bound on the makespan was raised by pairs of parts.
     is_raised: bool,
     meter: &'a mut Meter,
-    /// Once there is a plan.
+    /// Progress display; `None` until there is a plan.
     held: Option<HeldBoardPlan>,
 }
 
@@ -185,7 +191,7 @@ impl PortfolioSearch<'_> {
         None
     }
 
-    /// Whether the parts are so many and so close that an order of them hardly ever works.
+    /// Whether the parts are so many and so close that a priority order hardly ever works.
     fn is_dense(&self) -> bool {
         let Instance { board, separation, agents, .. } = self.instance;
         let free = (0..board.cells() as CellIndex).filter(|cell| !board.is_blocked(*cell)).count() as u64;
@@ -262,8 +268,8 @@ impl PortfolioSearch<'_> {
         exact::prove(self.instance, self.objective, Some(&best), self.limit, self.meter)
     }
 
-    /// A plan improved in rounds until it meets its bound or `steps` steps are spent. Where a round shortens it little, plans within a
-    /// limit on the makespan are sought instead; each time that fails, both get more steps.
+    /// Improves a plan in rounds until it meets its bound or `steps` steps are spent. Where a round hardly shortens it,
+    /// plans within a limit on the makespan are sought instead; each time that fails, both get more steps.
     fn bettered(&mut self, mut best: Paths, steps: u64) -> Paths {
         let end = self.meter.left().steps - steps;
         let more = STEPS_PER_MOVE * self.bounds.sum_of_costs;
@@ -305,14 +311,15 @@ impl PortfolioSearch<'_> {
         best
     }
 
-    /// Raises the bound on the makespan, up to one that is known to be reached.
+    /// Raises the bound on the makespan, at most to that of a known plan.
     fn raise(&mut self, most: u64) {
         let (instance, known) = (self.instance, self.bounds.makespan);
         let share = self.meter.left().steps / exact::RAISE_SHARE;
         self.bounds.makespan = self.meter.share(share, |meter| exact::raised(instance, known, most, meter));
     }
 
-    /// What a round is to shorten: the makespan or, of a crowd, of which many parts are late, the steps after its bound, summed over all parts.
+    /// Measure that a round is to reduce: the makespan or, for a crowd, in which many parts are late, the steps after
+    /// the makespan's bound, summed over all parts.
     fn lateness(&self, paths: &Paths) -> u64 {
         if self.instance.agents.len() <= CROWD {
             return BoardCosts::of(paths).makespan;
@@ -340,7 +347,7 @@ impl PortfolioSearch<'_> {
         })
     }
 
-    /// Improves the figure that is not minimised, in rounds until one of them gains little.
+    /// Improves the secondary figure, in rounds until one of them gains little.
     fn ties(&mut self, mut paths: Paths, mut seed: u64) -> Paths {
         let steps = TIE_STEPS + self.bounds.sum_of_costs;
         let end = self.meter.left().steps - self.meter.left().steps / TIE_SHARE;
@@ -357,7 +364,7 @@ impl PortfolioSearch<'_> {
         paths
     }
 
-    /// One round of improvement; a plan that breaks the limit is not taken.
+    /// One round of improvement; a plan that breaks the limit is discarded.
     fn round(&mut self, paths: Paths, seed: u64, steps: u64) -> Paths {
         let (instance, objective) = (self.instance, self.objective);
         let better = self.searched(steps, |share| fast::improve(instance, paths.clone(), objective, seed, share));
@@ -374,7 +381,7 @@ impl PortfolioSearch<'_> {
         }
     }
 
-    /// Runs one of many searches; one that took no step is charged one, so that the loop terminates.
+    /// Runs one of many searches. If it took no step, its whole share is charged, so that the loop terminates.
     fn searched<T>(&mut self, steps: u64, search: impl FnOnce(&mut Meter) -> T) -> T {
         let before = self.meter.spent();
         let result = self.meter.share(steps, search);
@@ -385,15 +392,15 @@ impl PortfolioSearch<'_> {
     }
 }
 
-/// The limit on the makespan of a shorter plan, and whether that plan is new or made from the best one.
+/// Limit on the makespan of a shorter plan, and whether that plan is new or derived from the best one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum SqueezeAim {
     /// Near the bound.
     New,
-    /// Half of the way from the best plan to the bound.
+    /// Halfway between the best plan and the bound.
     HalfNew,
     HalfTightened,
-    /// One step less.
+    /// One step less than the best plan.
     OneLessNew,
     OneLessTightened,
 }
@@ -427,7 +434,7 @@ fn in_turns(instance: &Instance, aim: JointAim, meter: &mut Meter) -> Option<Pat
 
 /// A plan of fewest moves for a group that is not too large, if the meter suffices.
 pub fn fewest_moves(instance: &Instance, meter: &mut Meter) -> Option<Paths> {
-    // With shared channels the moves of one step may not be made one after the other.
+    // With shared channels, the moves of one step cannot always be made one after the other.
     instance.board.channels().is_none().then_some(())?;
     in_turns(instance, JointAim::Moves, meter)
 }

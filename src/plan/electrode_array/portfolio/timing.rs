@@ -1,10 +1,11 @@
-//! Retiming of moves: each as early as the separation rule allows.
+//! Retiming: each move is made as early as the separation rule allows.
 //!
-//! Problem: paths of many agents in which few move at a time, as a search of configurations produces them. Under the rule all four
-//! combinations of the starts and ends of two moves keep the distance, so the moves of one step may equally be made one after the
-//! other, and moves may be simultaneous as soon as no agent comes near a cell before another has left it. Method: each move in
-//! turn, at the first instant after its agent's last move and after every agent that was too near to its target has left.
-//! Guaranteed: legal paths of no more steps and of the same moves. Cost: for each move the cells nearer than the separation.
+//! Problem: paths of many agents in which few move at a time, as a search of configurations produces them. Under the
+//! rule all four combinations of the starts and ends of two moves keep the distance, so the moves of one step may
+//! equally be made one after the other, and moves may be simultaneous as soon as no agent comes near a cell before
+//! another has left it. Method: each move in turn, at the first instant after its agent's last move and after every
+//! agent that was too near to its target has left. Guaranteed: legal paths with the same moves and no more steps. Cost:
+//! for each move, the cells nearer than the separation.
 
 use crate::plan::electrode_array::board::{CellIndex, Instance, Paths};
 
@@ -25,7 +26,7 @@ pub fn earliest(instance: &Instance, paths: &Paths) -> Paths {
 
 struct Timing<'a> {
     instance: &'a Instance,
-    /// By cell: the agents that left it, each with the instant at which it was last gone.
+    /// By cell: the agents that left it, each with the instant of its last departure.
     left: Vec<Vec<(usize, usize)>>,
     early: Paths,
 }

@@ -1,14 +1,16 @@
-//! The planner of Kritikou et al. 2018 as printed, for comparison: parts one after the other, each step by step to its goal.
+//! The planner of Kritikou et al. 2018 as printed, for comparison: parts one after the other, each step by step to its
+//! goal.
 //!
-//! Problem: parts that move at the same time on a board, in order of priority. Method: "μCA*", Algorithm 1 of G. Kritikou, N.
-//! Lamprianidis, N. Aspragathos, "A Modified Cooperative A* Algorithm for the Simultaneous Motion of Multiple Microparts on a Smart
-//! Platform with Electrostatic Fields", Micromachines 9(11), 548, 2018. For each part of higher priority the whole path is known;
-//! the next position of a part is the one of its five candidates that is allowed and has the least value of a function (equation 12
-//! or 13); one candidate survives each step, without backtracking.
+//! Problem: parts that move at the same time on a board, in order of priority. Method: "μCA*", Algorithm 1 of G.
+//! Kritikou, N. Lamprianidis, N. Aspragathos, "A Modified Cooperative A* Algorithm for the Simultaneous Motion of
+//! Multiple Microparts on a Smart Platform with Electrostatic Fields", Micromachines 9(11), 548, 2018. For each part of
+//! higher priority the whole path is known; the next position of a part is the one of its five candidates that is
+//! allowed and has the least value of a function (equation 12 or 13); one candidate survives each step, without
+//! backtracking.
 //!
-//! Guaranteed: a part that has a path keeps the chosen check against every part of higher priority that has one, up to the horizon.
-//! Not guaranteed: that a path is found where there is one, or that it is short; and parts without a path are ignored by the others
-//! although they still stand on the board, as in the paper. Cost: parts² · horizon.
+//! Guaranteed: a part that has a path keeps the chosen check against every part of higher priority that has one, up to
+//! the horizon. Not guaranteed: that a path is found where there is one, or that it is short. Parts without a path are
+//! ignored by the others although they still stand on the board, as in the paper. Cost: parts² · horizon.
 
 mod table;
 
@@ -18,8 +20,8 @@ pub use table::{PartMotion, Zero};
 /// Function whose least value chooses the next position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Heuristic {
-    /// Equation 12: the candidate's Manhattan distance from the goal, and a summand below 1 that prefers to be far from the parts
-    /// of higher priority.
+    /// Equation 12: the candidate's Manhattan distance from the goal, plus a summand below 1 that prefers candidates
+    /// far from the parts of higher priority.
     Spread,
     /// Equation 13: the Manhattan distance alone; its other summand is the same for all candidates.
     Plain,
@@ -34,7 +36,7 @@ pub enum PairCheck {
     AsPublished(Zero),
 }
 
-/// Tie-breaking between candidates of least value, which the paper leaves open.
+/// Tie-breaking between candidates of equal least value, which the paper leaves open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ties {
     /// The order of the candidates, each motion once; the first of the best survives.
@@ -48,7 +50,7 @@ impl Default for Ties {
     }
 }
 
-/// One reading of the paper.
+/// An interpretation of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PaperReading {
     pub heuristic: Heuristic,
@@ -77,14 +79,15 @@ impl PublishedOutcome {
     }
 }
 
-/// A candidate's value `goal_distance + others / spread`; with the plain function, or for the first part, `others` is 0.
+/// A candidate's value, `goal_distance + others / spread`; with the plain function, or for the first part, `others` is
+/// 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CandidateValue {
-    /// Manhattan distance from the next stop, and from there over the remaining ones.
+    /// Manhattan distance to the next stop, and from there through the remaining ones.
     pub goal_distance: u64,
     /// Number of parts of higher priority that count.
     pub others: u64,
-    /// The sum of the Manhattan distances from them, at least 1.
+    /// The sum of the Manhattan distances to them, at least 1.
     pub spread: u64,
 }
 
@@ -98,7 +101,7 @@ impl CandidateValue {
     }
 }
 
-/// Plans every part in the order of the instance over `horizon` steps; one outcome per part.
+/// Plans every part, in the order of the instance, over `horizon` steps; one outcome per part.
 pub fn plan(instance: &Instance, reading: PaperReading, horizon: usize) -> Vec<PublishedOutcome> {
     let mut outcomes: Vec<PublishedOutcome> = Vec::with_capacity(instance.agents.len());
     let mut walks: Vec<(usize, Vec<CellIndex>)> = Vec::new();
@@ -113,12 +116,12 @@ pub fn plan(instance: &Instance, reading: PaperReading, horizon: usize) -> Vec<P
     outcomes
 }
 
-/// Search for the path of one part, given those of higher priority.
+/// Search for the path of one part, given the paths of those of higher priority.
 struct PublishedWalk<'a> {
     instance: &'a Instance,
     reading: PaperReading,
     agent: usize,
-    /// The agents that have a path, with it.
+    /// The agents of higher priority that have a path, with their paths.
     higher: &'a [(usize, Vec<CellIndex>)],
 }
 
@@ -208,7 +211,7 @@ impl PublishedWalk<'_> {
     }
 }
 
-/// The cell to which a motion leads, if it is on the board and free.
+/// The cell to which a motion leads; `None` if it is off the board or blocked.
 fn moved(board: &BoardGrid, here: CellIndex, motion: PartMotion) -> Option<CellIndex> {
     let (column, row) = board.place(here);
     let cell = match motion {

@@ -18,7 +18,7 @@ fn reading(heuristic: Heuristic, check: PairCheck) -> PaperReading {
     PaperReading { heuristic, check, ties: Ties::default() }
 }
 
-/// Table 6: five parts on 50 x 50 electrodes; the paper's cells count from 1 and a centre stays off the outer ring.
+/// Table 6: five parts on 50 x 50 electrodes. The paper's cells count from 1, and a centre stays off the outer ring.
 pub(in super::super) fn table_6() -> Instance {
     let mut board = BoardGrid::new(50, 50);
     for k in 0..50 {
@@ -32,7 +32,7 @@ pub(in super::super) fn table_6() -> Instance {
     Instance { board, separation: 4, agents, merges: vec![] }
 }
 
-/// The instant in the paper's count, which starts at 1, or the place where a part is stuck: column, row, instant.
+/// The instant of arrival in the paper's count, which starts at 1; or where a part is stuck: column, row, instant.
 fn printed_form(board: &BoardGrid, outcome: &PublishedOutcome) -> Result<usize, (u32, u32, usize)> {
     match outcome {
         PublishedOutcome::Arrived(path) => Ok(path.len()),
@@ -146,7 +146,7 @@ fn table_3_differs_from_the_rule_where_it_is_known_to() {
     let at = |column: u32, row: u32| board.cell(column, row);
     let allows = |i: [CellIndex; 2], j: [CellIndex; 2]| table::allows(&board, i, j, Zero::Printed);
     let rule = |i: [CellIndex; 2], j: [CellIndex; 2]| i.iter().all(|a| j.iter().all(|b| board.apart(*a, *b) >= 4));
-    // Down and right at (4, 1): both approach; the table allows what touches.
+    // Down and right at (4, 1): both approach; the table allows moves after which they touch.
     let (i, j) = ([at(6, 3), at(6, 2)], [at(2, 2), at(3, 2)]);
     assert!(allows(i, j) && !rule(i, j));
     // Right and left at (4, 4) diverge; the table forbids what is safe.

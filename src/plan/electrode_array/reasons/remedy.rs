@@ -1,19 +1,19 @@
 //! A remedy for a part that is cut off, tried on the whole task before it is advised.
 //!
-//! Input: a task, and the blockers without which the part alone has a path. Output: the task without the obstacles among them and,
-//! where a part that stays is one of them, with `may_yield: true`, to be planned with all its steps and limits; then the help.
-//! Promise: the help mentions a plan only where one was found; otherwise it states what is known of the
-//! part alone. Cost: each step of the task may expand one [`SHARE`]th of its budget again.
+//! Input: a task, and the blockers without which the part alone has a path. Output: the task without the obstacles
+//! among them and, if a part that stays is one of them, with `may_yield: true`, to be planned with all its steps and
+//! limits; then the help. Guaranteed: the help mentions a plan only where one was found; otherwise it states what is
+//! known of the part alone. Cost: each step of the task may expand one [`SHARE`]th of its budget again.
 
 use crate::claims::electrode_array::{Bystanders, ElectrodeArrayMethod, ElectrodeArrayOrder, ElectrodeArrayPlanner};
 use crate::plan::electrode_array::stage::BoardStage;
 use crate::plan::errors::{Removal, listed};
 use std::sync::Arc;
 
-/// One part in this many of a step's budget goes to trying a remedy.
+/// 1/N of a step's budget for trying a remedy.
 const SHARE: u64 = 4;
 
-/// Most blockers that a help names.
+/// Most blockers named in a help.
 const MAX_NAMED: usize = 6;
 
 /// A task with a part that blockers cut off.
@@ -34,12 +34,12 @@ pub enum Tried {
     Impossible,
     /// Not found within this many expansions for each step.
     NotFound(u64),
-    /// Not tried, since its planner proves nothing.
+    /// Not tried: the planner proves nothing, or a remedy was tried already.
     LeftOut,
 }
 
 impl Shut<'_> {
-    /// The help of the report; none where nothing is blamed.
+    /// The help of the report; `None` if no blocker is known.
     pub fn help(&self, tried: Tried) -> Option<String> {
         if self.blamed.is_empty() {
             return None;
@@ -72,7 +72,7 @@ impl Shut<'_> {
         without.into_iter().chain(yields).collect::<Vec<_>>().join(" and ")
     }
 
-    /// Names what was tried where it differs from what opens the way of the part alone: a part that stays is not taken away.
+    /// The remedy, named where it differs from what opens a path for the part alone: a part that stays is not removed.
     fn then(&self) -> String {
         match self.has_part() {
             true => self.remedy(),
@@ -92,7 +92,7 @@ impl Shut<'_> {
         }
     }
 
-    /// The task with the remedy; `None` where nothing is blamed, or its planner proves nothing.
+    /// The task with the remedy; `None` if no blocker is known, or the planner proves nothing.
     pub fn remedied(&self) -> Option<ElectrodeArrayOrder> {
         if self.blamed.is_empty() || self.order.planner.method != ElectrodeArrayMethod::Portfolio {
             return None;

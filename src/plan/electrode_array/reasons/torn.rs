@@ -1,4 +1,4 @@
-//! Why a step has no plan on a board with shared channels.
+//! Reasons why a step has no plan on a board with shared channels.
 
 use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeMap};
@@ -13,10 +13,10 @@ use crate::plan::errors;
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 use crate::source::Span;
 
-/// Steps of the search for a plan with channels of their own.
+/// Budget of the search for a plan in which each electrode has a channel of its own.
 const OWN_BUDGET: u64 = 2_000_000;
 
-/// An agent that other electrodes of the channels on its way keep from a stop.
+/// Reports an agent that shared channels keep from a stop.
 pub fn torn(order: &ElectrodeArrayOrder, stage: &BoardStage, agent: usize, stop: usize) -> Diagnostic {
     let (actor, asked) = (&stage.agents[agent], &stage.instance.agents[agent]);
     let from = if stop == 0 { asked.start } else { asked.stops[stop - 1] };
@@ -25,7 +25,7 @@ pub fn torn(order: &ElectrodeArrayOrder, stage: &BoardStage, agent: usize, stop:
     errors::torn_by_channels(errors::StepEnds { step: span, from: &from, to: &to }, name)
 }
 
-/// Agents that have a plan if every electrode has a channel of its own; `None` where that is not known.
+/// Reports agents that would have a plan if each electrode had a channel of its own; `None` if none is found.
 pub fn excluded(order: &ElectrodeArrayOrder, step: Span, stage: &BoardStage, agents: &[usize]) -> Option<Diagnostic> {
     stage.instance.board.channels()?;
     let Instance { board, separation, agents: all, merges } = stage.instance.clone();
@@ -38,7 +38,8 @@ pub fn excluded(order: &ElectrodeArrayOrder, step: Span, stage: &BoardStage, age
     matches!(answer, BoardAnswer::Found(_)).then(|| errors::excluded_by_channels(step, &parts))
 }
 
-/// Whether operations that exclude one another have a plan if every electrode has a channel of its own; false where that is not known.
+/// Whether operations that exclude one another would have a plan if each electrode had a channel of its own; false if
+/// none is found.
 pub fn excludes_operations(site: &AssaySite, none: &NoArrangement) -> bool {
     let NoAssayPlan::Excluded { .. } = none.why else { return false };
     let Some(map) = site.order.facts.map.as_ref().filter(|map| map.is_shared()) else { return false };
@@ -52,7 +53,7 @@ pub fn excludes_operations(site: &AssaySite, none: &NoArrangement) -> bool {
     matches!(arranged::solve(&site, &none.operations, BoardObjective::Makespan, meter), SearchAnswer::Found(_))
 }
 
-/// Parts that cannot rest together, since the electrodes that hold them hold others on.
+/// Reports parts that cannot rest together: through shared channels, the electrodes that hold them switch others on.
 pub fn restless(order: &ElectrodeArrayOrder, stage: &BoardStage, step: Span) -> Option<Diagnostic> {
     let channels = stage.instance.board.channels()?;
     let agents = stage.instance.agents.iter().zip(&stage.agents);

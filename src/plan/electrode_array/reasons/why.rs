@@ -1,9 +1,10 @@
-//! Blockers of a part that cannot reach its goal.
+//! Finds the blockers of a part that cannot reach its goal.
 //!
-//! Problem: the smallest set of blockers whose removal opens a path (minimum constraint removal, NP-hard; Hauser 2014). Method: the
-//! path that enters the fewest blockers, each counted at every entry, and a deletion filter on the set it crosses. Guaranteed:
-//! without the named ones there is a path, and a single named blocker is the smallest set. Not guaranteed: that several are the
-//! fewest. Cost: linear in the cells of the board and of all blockers, once more for each blocker on the path.
+//! Problem: the smallest set of blockers whose removal opens a path (minimum constraint removal, NP-hard; Hauser 2014).
+//! Method: the path that enters the fewest blockers, each counted at every entry, and a deletion filter on the set that
+//! it crosses. Guaranteed: without the named ones there is a path, and a single named blocker is the smallest set. Not
+//! guaranteed: that several are the fewest. Cost: linear in the cells of the board and of all blockers, once more for
+//! each blocker on the path.
 
 use crate::plan::electrode_array::board::{self, BoardGrid};
 use crate::plan::electrode_array::stage::{BoardStage, CellBlocker};
@@ -13,7 +14,8 @@ use std::collections::VecDeque;
 /// If the blockers cover more cells than this in total, none is blamed.
 const MAX_COVERED: usize = 1 << 23;
 
-/// The blockers to remove, as indices into the stage's, for a path from one cell to another, and what is known of their removal.
+/// The blockers to remove, as indices into the stage's, so that a path leads from one cell to another, and what is
+/// known about their removal.
 pub fn why(stage: &BoardStage, from: board::CellIndex, to: board::CellIndex) -> (Vec<usize>, Removal) {
     let board = &stage.ground.bare;
     let covered: usize = stage.blockers().map(|blocker| blocker.area(board)).sum();
@@ -77,7 +79,7 @@ fn fewest_entered(stage: &BoardStage, from: board::CellIndex, to: board::CellInd
     })
 }
 
-/// All cells that a part can come to; `None` where the blockers are too many to be told.
+/// All cells that a part can reach; `None` if the blockers cover too many cells.
 pub fn reached(stage: &BoardStage, from: board::CellIndex) -> Option<Vec<board::CellIndex>> {
     let covered: usize = stage.blockers().map(|blocker| blocker.area(&stage.ground.bare)).sum();
     (covered <= MAX_COVERED).then(|| {
@@ -90,7 +92,7 @@ pub fn reached(stage: &BoardStage, from: board::CellIndex) -> Option<Vec<board::
     })
 }
 
-/// Whether a path exists without the blockers of a set.
+/// Whether a path exists without some blockers.
 fn is_open(stage: &BoardStage, gone: &[usize], from: board::CellIndex, to: board::CellIndex) -> bool {
     let mut is_met = false;
     flood(stage, gone, from, |cell| {
@@ -100,7 +102,7 @@ fn is_open(stage: &BoardStage, gone: &[usize], from: board::CellIndex, to: board
     is_met
 }
 
-/// Visits what can be reached without the blockers of a set, nearest first, until the visitor has seen enough.
+/// Visits the cells that can be reached without some blockers, nearest first, until `visit` returns false.
 fn flood(stage: &BoardStage, gone: &[usize], from: board::CellIndex, mut visit: impl FnMut(board::CellIndex) -> bool) {
     let mut board = stage.ground.bare.clone();
     for (index, blocker) in stage.blockers().enumerate() {

@@ -1,16 +1,16 @@
-//! Goals of their own for interchangeable parts, where the plan's choice of who goes where leaves a later step without a plan.
+//! Fixed goals for interchangeable parts, used where the plan's own assignment leaves a later step without a plan.
 
 use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
 use std::collections::BTreeMap;
 
-/// Most assignments of all steps together that are tried.
+/// Most assignments tried, for all steps together.
 const MOST_ASSIGNMENTS: usize = 64;
 
-/// One part in this many of the budget of a step for each of them.
+/// 1/N of the budget of a step for each of them.
 const SHARE: u64 = 16;
 
-/// The order with a goal of its own for each part of a team, in several ways: all there are, or the first `MOST_ASSIGNMENTS`; none where
-/// there is no team of several.
+/// Orders in which each part of a team has a goal of its own: one for each assignment, but no more than the first
+/// `MOST_ASSIGNMENTS`; none if no team has several parts.
 pub fn orders(order: &ElectrodeArrayOrder) -> Vec<ElectrodeArrayOrder> {
     let sizes = order.steps.iter().flat_map(|step| teams(&step.action).into_values().map(|team| team.len()));
     let all = sizes.flat_map(|size| 1..=size).fold(1usize, usize::saturating_mul);
@@ -18,7 +18,7 @@ pub fn orders(order: &ElectrodeArrayOrder) -> Vec<ElectrodeArrayOrder> {
     (0..tried).map(|nth| assigned(order, nth)).collect()
 }
 
-/// The places of the moves of each team among those of a step.
+/// By team: the indices of its moves in a step.
 fn teams(action: &ElectrodeArrayAction) -> BTreeMap<usize, Vec<usize>> {
     let mut teams: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     if let ElectrodeArrayAction::Move(moves) = action {
@@ -28,7 +28,8 @@ fn teams(action: &ElectrodeArrayAction) -> BTreeMap<usize, Vec<usize>> {
     teams
 }
 
-/// One of the assignments: a number with a digit for each part of a team, of as many values as goals are left for it.
+/// The assignment with number `nth`. The number has one digit per part of a team, in a mixed radix: the number of goals
+/// left for it.
 fn assigned(order: &ElectrodeArrayOrder, mut nth: usize) -> ElectrodeArrayOrder {
     let mut order = order.clone();
     order.planner.expansions = (order.planner.expansions / SHARE).max(1);

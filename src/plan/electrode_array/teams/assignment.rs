@@ -1,16 +1,16 @@
-//! Who goes where, by costs alone: the assignment whose greatest cost is least, and the one with the least sum.
+//! Assignment of goals to agents by costs alone: one with the least greatest cost, and one with the least sum.
 //!
-//! Problem: as many agents as goals, the cost of each pair, or none where an agent cannot reach a goal. Method: for the greatest cost
-//! augmenting paths (H. W. Kuhn, "The Hungarian method for the assignment problem", Naval Research Logistics Quarterly 2, 1955) within limits
-//! that are bisected; for the sum the Hungarian method with potentials (J. Munkres, "Algorithms for the assignment and transportation
-//! problems", Journal of the SIAM 5, 1957).
+//! Problem: as many agents as goals, and the cost of each pair, or `None` where an agent cannot reach a goal. Method:
+//! for the greatest cost, augmenting paths (H. W. Kuhn, "The Hungarian method for the assignment problem", Naval
+//! Research Logistics Quarterly 2, 1955) within limits found by bisection; for the sum, the Hungarian method with
+//! potentials (J. Munkres, "Algorithms for the assignment and transportation problems", Journal of the SIAM 5, 1957).
 //!
 //! Guaranteed: both are exact. Cost: the cube of the number of agents.
 
-/// The cost of a pair; none if the agent cannot come there.
+/// By agent and goal: the cost of the pair; `None` if the agent cannot reach the goal.
 pub type PairCosts = Vec<Vec<Option<u32>>>;
 
-/// The least greatest cost over all assignments; none if some agent or goal is left over in each.
+/// Bottleneck assignment: the least greatest cost over all assignments; `None` if there is no complete one.
 pub fn bottleneck(costs: &PairCosts) -> Option<u32> {
     let mut known: Vec<u32> = costs.iter().flatten().flatten().copied().collect();
     known.sort_unstable();
@@ -23,13 +23,14 @@ pub fn bottleneck(costs: &PairCosts) -> Option<u32> {
     }
 }
 
-/// The most pairs, each of its own agent and goal, that cost no more than a limit.
+/// The size of a maximum matching of agents and goals among pairs that cost no more than a limit.
 fn matching(costs: &PairCosts, most: u32) -> usize {
     let mut of_goal: Vec<Option<usize>> = vec![None; costs.len()];
     (0..costs.len()).filter(|agent| augment(costs, most, *agent, &mut of_goal)).count()
 }
 
-/// Gives an agent a goal, and others their next ones, along a path from one to the next.
+/// Gives an agent a goal along an augmenting path, on which other agents change their goals; returns whether there is
+/// one.
 fn augment(costs: &PairCosts, most: u32, agent: usize, of_goal: &mut [Option<usize>]) -> bool {
     let mut from: Vec<Option<usize>> = vec![None; costs.len()];
     let mut ring = vec![agent];
@@ -60,11 +61,11 @@ fn augment(costs: &PairCosts, most: u32, agent: usize, of_goal: &mut [Option<usi
     false
 }
 
-/// More than any sum of costs: a pair that must not be.
+/// Weight of a forbidden pair: more than any sum of costs.
 const NEVER: i128 = i128::MAX / 4;
 
-/// For each agent its goal, with the least sum of the costs that are no greater than `most`, of these one whose squares have the least sum:
-/// then agents seldom cross. None if some agent is left over.
+/// By agent, its goal in an assignment of least sum, without costs above `most`; among these, one with the least sum of
+/// squares, in which agents seldom cross. `None` if there is no complete one.
 pub fn least_sum(costs: &PairCosts, most: u32) -> Option<Vec<usize>> {
     let count = costs.len();
     // One unit of cost outweighs all squares together.
@@ -120,7 +121,7 @@ pub fn least_sum(costs: &PairCosts, most: u32) -> Option<Vec<usize>> {
 mod tests {
     use super::*;
 
-    /// All orders of the numbers below one.
+    /// All permutations of the numbers below `count`.
     fn orders(count: usize) -> Vec<Vec<usize>> {
         let mut all: Vec<Vec<usize>> = vec![vec![]];
         for next in 0..count {

@@ -1,9 +1,9 @@
-//! Which cells the program leaves open: after a step with interchangeable goals, or an assay that chooses places, the plan has chosen who
-//! stands where.
+//! Tracks which cells the program leaves open: after a step with interchangeable goals, or an assay that chooses
+//! places, it is the plan that has chosen where each part stands.
 //!
-//! As long as a team stays together, its parts stand on the same cells whoever is where, and what is proven of a later step holds for
-//! every plan of the task. Once some of its parts are sent elsewhere alone, that depends on the plan: then only the bounds of [`LooseParts::least`]
-//! hold, and a step without a plan proves nothing of the task.
+//! As long as a team stays together, its parts stand on the same set of cells in every plan, and proofs about a later
+//! step hold for every plan of the task. Once some of its parts are sent elsewhere alone, later steps depend on the
+//! plan: then only the bounds of [`LooseParts::least`] hold, and a step without a plan proves nothing about the task.
 
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
 use crate::device::electrode_array::ElectrodeCell;
@@ -15,14 +15,16 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The parts whose cells the program leaves open.
 #[derive(Debug, Default)]
 pub struct LooseParts {
-    /// Parts that stand on the cells of one list, each on another; of a part that an assay has left at one of several, it alone.
+    /// Groups of parts that stand on the cells of a list in an unknown order. A part that an assay has left at one of
+    /// several places is a group of its own.
     teams: Vec<(BTreeSet<usize>, Vec<ElectrodeCell>)>,
-    /// Whether cells are taken or free by what the plan chose.
+    /// Whether it depends on the plan which cells are occupied.
     is_open: bool,
 }
 
 impl LooseParts {
-    /// Whether what is proven of a step, with the cells that the parts have, holds whatever the plan of the steps before.
+    /// Whether proofs about a step, based on the current cells of the parts, hold whatever the plan of the steps
+    /// before.
     pub fn is_fixed_in(&self, action: &ElectrodeArrayAction) -> bool {
         let movers = Movers::of(action);
         let keeps = |(team, _): &(BTreeSet<usize>, _)| {
@@ -32,7 +34,7 @@ impl LooseParts {
         !self.is_open && self.teams.iter().all(keeps)
     }
 
-    /// Takes note of a step.
+    /// Updates the groups after a step.
     pub fn follow(&mut self, action: &ElectrodeArrayAction) {
         let is_fixed = self.is_fixed_in(action);
         let movers = Movers::of(action);
@@ -56,8 +58,8 @@ impl LooseParts {
         }
     }
 
-    /// Lower bounds on a step that hold wherever the plan has brought the parts: each of its own ways, with no other part about. `None` if
-    /// all that is proven of the step holds.
+    /// Lower bounds on a step that hold wherever the plan has brought the parts: those of each part alone on the board.
+    /// `None` if all proofs about the step hold.
     pub fn least(
         &self,
         order: &ElectrodeArrayOrder,
@@ -87,7 +89,7 @@ impl LooseParts {
     }
 }
 
-/// The steps of a part from a cell by the stops of a move, if it can come there.
+/// Steps of a part alone, from a cell through the stops of a move; `None` if it cannot reach them.
 fn alone(
     order: &ElectrodeArrayOrder,
     ground: &BoardGround,
@@ -101,13 +103,13 @@ fn alone(
     fast::bounds(&instance).ok().map(|bounds| bounds.makespan)
 }
 
-/// Who moves in a step.
+/// The parts that move in a step.
 #[derive(Debug, Default)]
 struct Movers {
-    /// Those with goals or operations of their own.
+    /// Parts with goals or operations of their own.
     alone: BTreeSet<usize>,
     teams: BTreeMap<usize, BTreeSet<usize>>,
-    /// All that the program sends to cells.
+    /// All parts that the program sends to cells.
     moved: BTreeSet<usize>,
 }
 

@@ -1,14 +1,15 @@
 //! Plans of a stage in which some goals are interchangeable: teams of agents, each with as many goals as agents.
 //!
-//! Problem: target assignment and path finding (H. Ma, S. Koenig, "Optimal target assignment and path finding for teams of agents", AAMAS
-//! 2016), with separation. Method: an assignment of goals by the distances of the agents alone (`assignment`), and the stage with these
-//! goals as any other (`portfolio`). Where its plan does not meet the bound, the other assignments follow in the order of their bounds, if
-//! there are at most `MOST_ASSIGNMENTS`; else some in which an agent that comes late has exchanged its goal for that of another.
+//! Problem: target assignment and path finding (H. Ma, S. Koenig, "Optimal target assignment and path finding for teams
+//! of agents", AAMAS 2016), with separation. Method: goals are assigned by the distances of the agents alone
+//! (`assignment`), and the stage with these goals is planned as any other (`portfolio`). Where its plan does not meet
+//! the bound, all other assignments follow in the order of their bounds, if there are at most `MOST_ASSIGNMENTS`;
+//! otherwise some in which an agent that arrives late has exchanged its goal with another.
 //!
-//! Guaranteed: plans are legal. The bound on the steps is that of the bottleneck assignment, the one on the sum of costs that of the
-//! assignment with the least sum, so that no assignment avoids them; where all assignments with a lower bound were searched, the least that
-//! was proven for any of them. "No plan" is proven for every assignment. The same input and budget give the same plan. Cost: one step of
-//! the budget is one of `portfolio`.
+//! Guaranteed: plans are legal. The bound on the steps is that of the bottleneck assignment, and the bound on the sum
+//! of costs that of the assignment with the least sum, so both hold for every assignment. Where all assignments with a
+//! lower bound were searched, the bound is the least that was proven for any of them. "No plan" is proven for every
+//! assignment. The same input and budget give the same plan. Cost: one step of the budget is one of `portfolio`.
 
 pub mod assigned;
 mod assignment;
@@ -22,32 +23,32 @@ use super::{fast, portfolio};
 use crate::plan::search::{Meter, SearchAnswer, SearchBudget};
 use assignment::PairCosts;
 
-/// Most assignments that are searched one after the other: those of a team of six.
+/// Most assignments that are all searched: those of a team of six.
 const MOST_ASSIGNMENTS: usize = 720;
 
-/// Assignments that are tried, where there are more, until one has a plan.
+/// If there are more: most assignments tried until one has a plan.
 const MOST_TRIES: usize = 8;
 
-/// Exchanges of two goals that are tried for a better plan, and one part in this many of the remaining budget for each.
+/// Most exchanges of two goals tried for a better plan, and 1/N of the remaining budget for each.
 const MOST_EXCHANGES: usize = 32;
 const EXCHANGE_SHARE: u64 = 16;
 
-/// The first assignment gets one part in this many of the budget.
+/// 1/N of the budget for the first assignment.
 const FIRST_SHARE: u64 = 2;
 
 /// Why a stage with teams has no plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NoTeamPlan {
-    /// So many goals of a team lie where only so many of its agents can come, among them this goal.
+    /// `goals` goals of a team, among them `goal`, lie where only `agents` of its agents can get.
     Cut { team: usize, goal: CellIndex, goals: usize, agents: usize },
-    /// An agent in no team cannot reach a stop.
+    /// An agent that belongs to no team cannot reach a stop.
     Alone(NoBoardPlan),
     /// Whichever goals the agents take, they cannot pass one another.
     Blocked,
 }
 
-/// A plan of a stage, or the proof that there is none. `teams` are agents with one stop each; the goals of a team are the stops of its
-/// agents.
+/// Plans a stage, or proves that there is no plan. `teams` are agents with one stop each; the goals of a team are the
+/// stops of its agents.
 pub fn solve(
     instance: &Instance,
     teams: &[Vec<usize>],
@@ -88,7 +89,7 @@ pub fn solve(
     TeamSearch { terms, bounds, meter, best: None }.run(first)
 }
 
-/// The stage with the agents of teams at home: what the others cost alone.
+/// The stage with the agents of teams kept at their starts, for the costs of the other agents alone.
 fn without_teams(instance: &Instance, teams: &[Vec<usize>]) -> Instance {
     let mut rest = instance.clone();
     for agent in teams.iter().flatten() {
@@ -98,7 +99,8 @@ fn without_teams(instance: &Instance, teams: &[Vec<usize>]) -> Instance {
     rest
 }
 
-/// A goal where more of a team lie than agents of it can come: both are told by what reaches it, since ways lead in both directions.
+/// A goal in a region with more goals of the team than agents that can reach it. The region and these agents are both
+/// found from the agents that reach the goal, since paths lead in both directions.
 fn cut(instance: &Instance, team: usize, agents: &[usize], costs: &PairCosts) -> NoTeamPlan {
     let reaches = |goal: usize| (0..agents.len()).filter(move |agent| costs[*agent][goal].is_some());
     let beside = |goal: usize| match reaches(goal).next() {
@@ -119,23 +121,23 @@ impl BoardCosts {
     }
 }
 
-/// What a search for the assignment is about.
+/// Terms of the search for an assignment.
 struct TeamTerms<'a> {
     instance: &'a Instance,
     teams: &'a [Vec<usize>],
-    /// By team.
+    /// By team: the costs of its pairs.
     costs: &'a [PairCosts],
-    /// The costs of the agents in no team.
+    /// The costs of the agents that belong to no team, each alone.
     alone: BoardCosts,
     objective: BoardObjective,
 }
 
-/// The goals of each team's agents.
+/// An assignment of goals to the agents of each team.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct TeamChoice {
-    /// The lower bounds, that on the objective first.
+    /// Lower bounds, that on the objective first.
     key: (u64, u64),
-    /// The sum of the squares of all distances: of two assignments with the same bounds the one with less seldom lets agents cross.
+    /// The sum of the squares of all distances, to break ties: with a smaller one, agents cross less often.
     squares: u64,
     goals: Vec<Vec<usize>>,
 }
@@ -167,7 +169,7 @@ impl TeamTerms<'_> {
         stage
     }
 
-    /// All assignments that the distances allow, the one with the least bound first; none if there are too many.
+    /// All assignments that the distances allow, the one with the least bound first; `None` if there are too many.
     fn all(&self) -> Option<Vec<TeamChoice>> {
         let sizes = self.teams.iter().flat_map(|team| 1..=team.len());
         sizes.into_iter().try_fold(1usize, |all, size| all.checked_mul(size)).filter(|all| *all <= MOST_ASSIGNMENTS)?;
@@ -184,7 +186,8 @@ impl TeamTerms<'_> {
         Some(all)
     }
 
-    /// An assignment with the goals of two agents of a team exchanged, if both can come there.
+    /// The assignment with the goals of two agents of a team exchanged; `None` if one of them cannot reach its new
+    /// goal.
     fn exchanged(&self, choice: &TeamChoice, [one, other]: [usize; 2]) -> Option<TeamChoice> {
         let place = |agent: usize| {
             let of_team = |team: &Vec<usize>| team.iter().position(|own| *own == agent);
@@ -199,7 +202,7 @@ impl TeamTerms<'_> {
     }
 }
 
-/// All orders of the goals of a team that its agents can take.
+/// All assignments of the goals of a team that its agents can reach.
 fn orders(costs: &PairCosts) -> Vec<Vec<usize>> {
     let mut all: Vec<Vec<usize>> = vec![Vec::new()];
     for own in costs {
@@ -216,7 +219,7 @@ fn orders(costs: &PairCosts) -> Vec<Vec<usize>> {
 
 struct TeamSearch<'a> {
     terms: TeamTerms<'a>,
-    /// Lower bounds, whatever the assignment.
+    /// Lower bounds that hold for every assignment.
     bounds: BoardCosts,
     meter: Meter,
     best: Option<(Paths, BoardCosts)>,
@@ -237,13 +240,13 @@ impl TeamSearch<'_> {
 
     /// Searches the assignments in turn, until no other one can be better.
     fn each(mut self, first: TeamChoice, all: Vec<TeamChoice>) -> SearchAnswer<BoardPlan, NoTeamPlan, BoardCosts> {
-        // The least that is proven for any assignment so far; `None` if none has a plan.
+        // The least bound proven for any assignment so far; `None` if none has a plan.
         let mut floor: Option<u64> = None;
         let mut lower = |own: u64| floor = Some(floor.map_or(own, |floor| floor.min(own)));
         let rest = all.iter().filter(|choice| **choice != first);
         for (nth, choice) in std::iter::once(&first).chain(rest).enumerate() {
             if self.cost().is_some_and(|cost| cost <= choice.key.0) {
-                // No assignment that follows is below it.
+                // No later assignment is below it.
                 lower(choice.key.0);
                 if nth > 0 {
                     break;
@@ -276,8 +279,8 @@ impl TeamSearch<'_> {
         self.answer()
     }
 
-    /// Searches one assignment; and where it has no plan, others with the goals of two agents that are in each other's way exchanged.
-    /// The assignments that were tried, the one of the plan held last.
+    /// Searches one assignment; while one has no plan, continues with another in which two agents that block each other
+    /// have exchanged their goals. Returns the assignments tried, that of the best known plan last.
     fn some(&mut self, first: TeamChoice) -> Vec<TeamChoice> {
         let (mut tried, mut next) = (Vec::new(), Some(first));
         while let Some(choice) = next.take().filter(|_| tried.len() < MOST_TRIES) {
@@ -292,7 +295,8 @@ impl TeamSearch<'_> {
         tried
     }
 
-    /// Better plans, as long as they do not meet the bound: the goal of an agent that comes late is exchanged for that of another.
+    /// Improves the plan while it does not meet the bound, by exchanging the goal of an agent that arrives late with
+    /// that of another.
     fn exchange(&mut self, mut tried: Vec<TeamChoice>) {
         let Some(mut own) = tried.last().cloned() else { return };
         for _ in 0..MOST_EXCHANGES {
@@ -310,7 +314,8 @@ impl TeamSearch<'_> {
         }
     }
 
-    /// The agents of teams whose arrival makes the plan held cost what it does: the last ones, or those with the longest detour.
+    /// The agents of teams that determine the cost of the best known plan: those that arrive last, or those with the
+    /// longest detour.
     fn late(&self) -> Vec<usize> {
         let Some((paths, _)) = &self.best else { return Vec::new() };
         let lateness = |agent: usize| match self.terms.objective {
@@ -326,7 +331,7 @@ impl TeamSearch<'_> {
         all().filter(|agent| Some(lateness(*agent)) == most).collect()
     }
 
-    /// The plan of an assignment that is better than the one held.
+    /// Plans an assignment, and keeps the plan if it is better than the best known one.
     fn search(&mut self, choice: &TeamChoice, steps: u64) -> BoardAnswer {
         let stage = self.terms.stage(choice);
         let objective = self.terms.objective;
@@ -344,7 +349,7 @@ impl TeamSearch<'_> {
         answer
     }
 
-    /// The cost of the plan held, in the objective.
+    /// The objective's cost of the best known plan.
     fn cost(&self) -> Option<u64> {
         self.best.as_ref().map(|(_, costs)| costs.key(self.terms.objective).0)
     }

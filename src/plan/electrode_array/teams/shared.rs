@@ -1,4 +1,4 @@
-//! Steps with interchangeable goals, in the terms of a task.
+//! Steps with interchangeable goals, in terms of the task.
 
 use crate::claims::electrode_array::{ElectrodeArrayMove, ElectrodeArrayOrder};
 use crate::device::electrode_array::ElectrodeCell;
@@ -11,18 +11,18 @@ use crate::plan::search::{SearchAnswer, SearchBudget};
 use crate::source::Span;
 use std::collections::BTreeMap;
 
-/// What became of a step with teams.
+/// Result for a step with teams.
 pub enum SharedGoals {
     Found(BoardPlan),
     /// With lower bounds.
     GaveUp(BoardCosts),
-    /// There is none, since a part in no team cannot reach a stop.
+    /// There is no plan, since a part that belongs to no team cannot reach a stop.
     Alone(NoBoardPlan),
-    /// There is none, and why.
+    /// There is no plan, with the diagnostic that says why.
     Refused(Diagnostic),
 }
 
-/// Plans a step in which some moves are those of teams.
+/// Plans a step in which some moves belong to teams.
 pub fn solve(
     order: &ElectrodeArrayOrder,
     step: Span,
@@ -57,7 +57,7 @@ pub fn solve(
     }
 }
 
-/// Updates the cells of the parts of teams after a step: they are where its plan ends.
+/// Updates the cells of the parts of teams after a step, to the ends of their paths.
 pub fn arrive(cells: &mut [Option<ElectrodeCell>], moves: &[ElectrodeArrayMove], motion: &[Vec<ElectrodeCell>]) {
     for one in moves.iter().filter(|one| one.team.is_some()) {
         cells[one.part] = motion[one.part].last().copied();

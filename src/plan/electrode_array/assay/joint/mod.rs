@@ -1,11 +1,12 @@
-//! All agents of a small assay at once, where lists lead to no plan or to one that may not be the shortest.
+//! Joint search for all agents of a small assay, used where lists yield no plan or one that may not be the shortest.
 //!
-//! Method: A* over the positions of all agents with what each has done, one step of the board at a time. For the fewest steps the estimate is
-//! that of the agent with the longest way to its end. For the least sum of costs each agent costs one for each step until it settles: it then
-//! moves no more, which it may do as soon as all that it has left to do is where it is; the estimate adds up what each needs until then.
-//! Of traces only those are kept that may still harm somebody, and positions with fewer of them stand for those with more.
-//! Guaranteed: a plan is legal and costs least, and "impossible" is said only after all positions have been seen, with the cells that they
-//! reach; the bound of a search that gave up holds. Cost: one step of the budget for each joint position generated; no more than
+//! Method: A* over the joint positions of all agents, with the errands done, one step of the board at a time. For the
+//! fewest steps, the heuristic is the longest remaining time of any agent. For the least sum of costs, each agent costs
+//! 1 per step until it settles: it then moves no more, which it may do as soon as all its remaining work is at its
+//! cell; the heuristic is the sum of the agents' remaining steps until then. Only traces that may still contaminate an
+//! agent are kept, and positions with fewer traces dominate those with more. Guaranteed: a plan is legal and has the
+//! least cost; "impossible" is returned only after all positions have been visited, with the cells that they reach; the
+//! bound of a search that gave up holds. Cost: one step of the budget for each joint position generated; at most about
 //! [`MAX_POSITIONS`] are kept.
 
 mod positions;
@@ -22,25 +23,25 @@ use stands::{AgentStand, JointStand, at_start, due, is_done, may_begin, meeting,
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Assays of more agents are not searched: their joint positions are too many.
+/// Most agents of an assay that is searched; more have too many joint positions.
 const MAX_AGENTS: usize = 5;
 
-/// Greatest number of joint positions that are kept.
+/// Number of joint positions kept after which the search gives up.
 const MAX_POSITIONS: usize = 400_000;
 
-/// The cells to which each agent has come, ascending.
+/// The cells that each agent has reached, ascending.
 pub(super) type AgentCells = Vec<Vec<CellIndex>>;
 
-/// A joint position and the one before it.
+/// A joint position with its predecessor.
 struct JointNode {
     position: JointPosition,
     instant: u32,
-    /// What is minimized, so far.
+    /// Cost so far: steps for the makespan, or the sum of the agents' steps.
     cost: u32,
     parent: Option<u32>,
 }
 
-/// What is looked for.
+/// Terms of the search.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct JointTerms {
     pub objective: BoardObjective,
@@ -48,14 +49,14 @@ pub(super) struct JointTerms {
     pub limit: u32,
 }
 
-/// Whether a problem is small enough to be searched.
+/// Whether a problem is small enough for the joint search.
 pub(super) fn takes(problem: &AssayProblem) -> bool {
     let contents = problem.traces.as_ref().map_or(0, |traces| traces.washes.len());
     problem.errands.len() <= MAX_AGENTS && contents <= u64::BITS as usize
 }
 
-/// The courses of all agents that cost least; a search that gave up leaves it open whether there are any, and answers with a lower bound
-/// on what is minimized.
+/// The courses of least cost. A search that gave up does not decide whether there are any; it returns a lower bound on
+/// the objective.
 pub(super) fn least(
     problem: &AssayProblem,
     ahead: &Ahead,
@@ -99,13 +100,13 @@ struct JointSearch<'a> {
     terms: JointTerms,
     nodes: Vec<JointNode>,
     known: KnownPositions,
-    /// By agent and number of errands done: one bit for each content whose traces may harm it from then on.
+    /// By agent and number of errands done: one bit for each content whose traces may still contaminate it.
     harmful: Vec<Vec<u64>>,
-    /// By estimated cost of the whole, the later instant first.
+    /// By estimated total cost; of equal ones, the later instant comes first.
     open: BinaryHeap<Reverse<(u32, Reverse<u32>, u32)>>,
 }
 
-/// What a joint position takes over from the one before it.
+/// State that a joint position inherits from its predecessor.
 #[derive(Clone, Copy)]
 struct PositionBefore<'a> {
     left: &'a [u64],
@@ -114,7 +115,7 @@ struct PositionBefore<'a> {
 }
 
 impl JointSearch<'_> {
-    /// The cells of all positions that were found.
+    /// The cells of all positions found.
     fn reached(&self) -> AgentCells {
         let mut met = MetCells::new(self.problem.errands.len(), self.problem.instance.board.cells());
         for node in &self.nodes {
@@ -154,8 +155,8 @@ impl JointSearch<'_> {
         self.open.push(Reverse((least, Reverse(instant), index)));
     }
 
-    /// Least steps to the end, and the least steps of all agents that are not settled until they last move; `None` if an agent cannot come
-    /// to its end.
+    /// Lower bounds: on the steps to the end, and on the sum over all unsettled agents of the steps until their last
+    /// move. `None` if an agent cannot reach its end.
     fn least_left(&self, position: &JointStandings) -> Option<(u32, u32)> {
         let (mut longest, mut sum) = (0, 0u32);
         for (agent, stand) in position.stands.iter().enumerate() {
@@ -173,7 +174,7 @@ impl JointSearch<'_> {
         Some((longest, sum))
     }
 
-    /// Least steps of an agent to its end, and until it last moves.
+    /// Least steps of an agent to its end, and to its last move.
     fn left_of(&self, agent: usize, AgentStand { cell, done, rested }: AgentStand) -> Option<(u32, u32)> {
         let errands = &self.problem.errands[agent];
         let (mut from, mut left, mut moves) = (cell, 0u32, 0);
@@ -194,7 +195,7 @@ impl JointSearch<'_> {
         Some((left, moves))
     }
 
-    /// Adds all joint positions one step later; `None` when the meter or the room runs out.
+    /// Adds all joint positions one step later; `None` when the meter or the memory limit runs out.
     fn expand(&mut self, index: u32, meter: &mut Meter) -> Option<()> {
         let JointNode { position, instant, cost, .. } = &self.nodes[index as usize];
         let JointPosition { standings: JointStandings { stands, waits, settled }, left } = position;
@@ -215,7 +216,8 @@ impl JointSearch<'_> {
         (self.nodes.len() <= MAX_POSITIONS).then_some(())
     }
 
-    /// Does what can be done where the agents have come to, and adds the positions with those that come then; none that does harm.
+    /// Does the errands that can be done at the agents' new cells, and appends the positions with each choice of agents
+    /// that enter then; positions with contamination are left out.
     fn arrive(&self, mut next: Box<[JointStand]>, before: PositionBefore, found: &mut Vec<JointPosition>) {
         let cell = |stand: &JointStand| Some(stand.there()?.cell);
         let cells = self.problem.traces.as_ref().map_or(Vec::new(), |_| next.iter().map(cell).collect());
@@ -232,8 +234,8 @@ impl JointSearch<'_> {
         }
     }
 
-    /// The sets of agents that may be settled from a position on, one bit for each agent: with those that are so already, and those that are
-    /// gone, any of those that need not move any more.
+    /// The sets of agents that may be settled from a position on, one bit per agent: those settled already, those that
+    /// are gone, and any subset of those that need not move any more.
     fn settlings(&self, stands: &[JointStand], settled: u8) -> Vec<u8> {
         if self.terms.objective == BoardObjective::Makespan {
             return vec![0];
@@ -255,7 +257,7 @@ impl JointSearch<'_> {
         sets
     }
 
-    /// The waits of all lags a step later; `None` if one is too long for what must be done by its end.
+    /// The waits of all lags one step later; `None` if one is too long for the work that must be done by its end.
     fn waited(&self, stands: &[JointStand], before: &[u32]) -> Option<Box<[u32]>> {
         let wait = |(lag, before): (&ErrandLag, &u32)| {
             if is_done(stands, &lag.of) || !lag.after.iter().all(|place| is_done(stands, place)) {
@@ -267,11 +269,11 @@ impl JointSearch<'_> {
         self.problem.lags.iter().zip(before).map(wait).collect()
     }
 
-    /// What is left on all cells, with agents that have just come to some of them; `None` if one of them comes where that does harm.
+    /// The traces on all cells after agents have arrived at some of them; `None` if that contaminates one.
     fn trodden(&self, cells: &[Option<CellIndex>], stands: &[JointStand], left: &[u64]) -> Option<LeftTraces> {
         let mut left: LeftTraces = left.into();
         let Some(traces) = &self.problem.traces else { return Some(left) };
-        // Who is dispensed where another one leaves at that instant is there with it.
+        // An agent that is dispensed where another one leaves at that instant is there together with it.
         let mut now: Vec<(CellIndex, usize)> = Vec::new();
         let touch = |(agent, stand): (usize, &JointStand)| {
             let contents = &traces.contents[agent];
@@ -282,7 +284,7 @@ impl JointSearch<'_> {
             };
             Some((cell?, contents[done]))
         };
-        // What a wash takes away is gone at the instant at which it comes.
+        // A wash removes traces at the instant at which it arrives.
         for (cell, _) in stands.iter().enumerate().filter_map(touch).filter(|(_, content)| traces.washes[*content]) {
             left[cell as usize] = 0;
         }
@@ -311,7 +313,7 @@ impl JointSearch<'_> {
         Some(left)
     }
 
-    /// All steps of the agents from one on, round those of the agents before it.
+    /// All combined steps of the agents from `next.len()` on, given the steps of the agents before.
     fn extend(&self, from: &[JointStand], settled: u8, next: &mut Vec<JointStand>, found: &mut Vec<Box<[JointStand]>>) {
         let agent = next.len();
         let Some(stand) = from.get(agent) else {
@@ -341,20 +343,20 @@ impl JointSearch<'_> {
         self.problem.instance.board.channels()
     }
 
-    /// What an agent gives off in a step.
+    /// The split of an agent in a step, if it has one.
     fn gives_off(&self, from: &[JointStand], agent: usize, next: AgentStand) -> Option<SplitErrand> {
         let has_split = from[agent].there().is_some_and(|own| next.done > own.done);
         due(self.problem, from, agent).filter(|_| has_split)?.splits
     }
 
-    /// A step of an agent from a cell, with what pulls its other half.
+    /// The step of an agent from a cell, with the cell to which its other half is pulled, if it splits.
     fn pulled(&self, from: &[JointStand], agent: usize, cell: CellIndex, next: AgentStand) -> PulledStep {
         let split = self.gives_off(from, agent, next);
         let meant = split.map(|split| self.problem.instance.agents[split.child].start);
         PulledStep { step: AgentStep { from: cell, to: next.cell }, meant }
     }
 
-    /// Whether shared channels tear an agent in a step, or what it gives off in it.
+    /// Whether shared channels tear an agent apart in a step, or the half that splits off in it.
     fn is_torn(&self, from: &[JointStand], agent: usize, own: AgentStand, next: AgentStand) -> bool {
         let Some(channels) = self.channels() else { return false };
         let step = self.pulled(from, agent, own.cell, next);
@@ -364,7 +366,7 @@ impl JointSearch<'_> {
         channels.tears_pulled(step) || channels.tears_pulled(half) || channels.clash_pulled(step, half)
     }
 
-    /// All steps of an agent, whatever the others do.
+    /// All steps of an agent, ignoring the others.
     fn steps_of(&self, from: &[JointStand], agent: usize, own: AgentStand) -> Vec<AgentStand> {
         let (problem, due) = (self.problem, due(self.problem, from, agent));
         let around = due.and_then(|due| due.mixes).map(|around| &problem.loops[around]);
@@ -377,11 +379,11 @@ impl JointSearch<'_> {
             let next = round(around);
             return (!problem.instance.board.is_blocked(next.cell)).then_some(next).into_iter().collect();
         }
-        // What waits for others counts from the instant on at which they are done.
+        // Rest before the predecessors are done does not count.
         let may_begin = may_begin(problem, from, agent);
         let rested = if around.is_some() || !may_begin { 0 } else { own.rested + 1 };
         let mut steps = vec![AgentStand { rested, ..own }];
-        // What has just come is dispensed first.
+        // An agent that has entered must be dispensed first.
         let is_dispensed = problem.comes[agent] && own.done == 0;
         if !is_dispensed {
             let beside = problem.instance.board.neighbours(own.cell);
@@ -394,7 +396,8 @@ impl JointSearch<'_> {
         steps
     }
 
-    /// A joint position with the agents that were given off in the step to it, unless one of them comes too near to another.
+    /// A joint position with the agents that split off in the step to it; `None` if one of them comes too near to
+    /// another agent.
     fn with_given_off(&self, from: &[JointStand], next: &[JointStand]) -> Option<Box<[JointStand]>> {
         let (problem, instance) = (self.problem, self.problem.instance);
         let given = |agent: usize| Some((agent, self.gives_off(from, agent, next[agent].there()?)?));
@@ -429,7 +432,8 @@ impl JointSearch<'_> {
         given.iter().all(is_clear).then_some(all)
     }
 
-    /// All ways in which agents from one on can come at this instant, that of none among them. What comes has nothing done yet.
+    /// Appends all ways in which agents from index `from` on can enter at this instant, including none. Agents that
+    /// enter have no errand done yet.
     fn come(&self, stands: &[JointStand], from: usize, found: &mut Vec<Box<[JointStand]>>) {
         let is_due = |agent: &usize| {
             stands[*agent] == JointStand::Due
@@ -451,8 +455,9 @@ impl JointSearch<'_> {
         }
     }
 
-    /// Whether two agents keep the separation at both ends of a step and crosswise, but for the cell at which they are about to merge. Who
-    /// leaves that again needs it, since the electrode of the other one would pull it, too.
+    /// Whether two agents keep the separation at both ends of a step and crosswise, except at the cell where they are
+    /// about to merge. If one leaves that cell again, it needs the separation, since the electrode of the other one
+    /// would pull it too.
     fn keeps_apart(
         &self,
         from: &[JointStand],
@@ -481,7 +486,7 @@ impl JointSearch<'_> {
         })
     }
 
-    /// The courses that lead to a node; those of agents that are gone end where they were last.
+    /// The courses that lead to a node; that of an agent that is gone ends at its last stop.
     fn courses(&self, end: u32) -> Vec<AgentCourse> {
         let mut chain = Vec::new();
         let mut at = Some(end);
@@ -500,11 +505,11 @@ impl JointSearch<'_> {
         let there = chain[since..].iter().map_while(|node| node.position.standings.stands[agent].there());
         let mut cells: Vec<CellIndex> = there.map(|stand| stand.cell).collect();
         if since + cells.len() < chain.len() {
-            // It is gone as soon as it comes to its last stop.
+            // It is gone as soon as it arrives at its last stop.
             cells.extend(self.problem.errands[agent].last().map(|last| last.stop));
             return AgentCourse { since: since as u32, cells };
         }
-        // After its last errand it rests where it came to last.
+        // After its last errand it stays at its last cell.
         let due = self.problem.errands[agent].len() as u32;
         let is_done =
             |node: &&JointNode| node.position.standings.stands[agent].there().is_some_and(|stand| stand.done == due);
@@ -523,7 +528,8 @@ mod tests {
     use crate::plan::electrode_array::fast::Distances;
     use crate::plan::search::SearchBudget;
 
-    /// One agent is pulled apart after two steps, in the third; the other rests for two steps after that.
+    /// One agent splits in the third step, after two steps of travel; the other one's stay of two steps counts only
+    /// from then on.
     #[test]
     fn rest_counts_once_what_comes_before_is_done() {
         let board = BoardGrid::new(7, 2);

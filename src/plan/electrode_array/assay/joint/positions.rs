@@ -1,40 +1,41 @@
-//! Joint positions of the agents of a small assay, and which of them are worth keeping.
+//! Joint positions of the agents of a small assay, and dominance between them.
 
 use super::super::AssayProblem;
 use super::stands::JointStand;
 use rustc_hash::FxHashMap;
 
-/// Nothing waits.
+/// Value of a wait that has not begun, or is over.
 pub const IDLE: u32 = u32::MAX;
 
-/// Where all agents are and what they have done, but for the traces that they have left.
+/// The cells of all agents and the errands that they have done, without their traces.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct JointStandings {
     pub stands: Box<[JointStand]>,
-    /// By lag, the steps since what its errand comes after was done; [`IDLE`] before that, and once the errand is done.
+    /// By lag, the steps since its predecessors were done; [`IDLE`] before that, and once its errand is done.
     pub waits: Box<[u32]>,
-    /// One bit for each agent that moves no more, where sums are minimized.
+    /// One bit for each agent that moves no more, if the sum of costs is minimised.
     pub settled: u8,
 }
 
-/// By cell, where traces matter: one bit for each content that was left there since it was washed, and may still do harm.
+/// By cell, where traces matter: one bit for each content left there since its last wash that may still contaminate an
+/// agent.
 pub type LeftTraces = Box<[u64]>;
 
-/// Where all agents are, what they have done, and what they have left behind.
+/// The cells of all agents, the errands that they have done, and their traces.
 #[derive(Debug, Clone)]
 pub struct JointPosition {
     pub standings: JointStandings,
     pub left: LeftTraces,
 }
 
-/// How a position was reached.
+/// Traces, instant and cost with which a position was reached.
 struct ReachedPosition {
     left: LeftTraces,
     instant: u32,
     cost: u32,
 }
 
-/// The same of a position that may be known already.
+/// The same of a position that may be known already, by reference.
 #[derive(Clone, Copy)]
 struct PositionMerits<'a> {
     left: &'a [u64],
@@ -49,18 +50,19 @@ impl ReachedPosition {
 }
 
 impl PositionMerits<'_> {
-    /// Whether all that can be done from another position of the same standings can be done from this one, no later where `counts_instants`,
-    /// and for no more: whoever has left fewer traces can do all that others can.
+    /// Whether this position dominates another one with the same standings: its cost is no higher, its instant no later
+    /// if `counts_instants`, and its traces are a subset, so everything possible from the other one is possible from
+    /// here.
     fn is_no_worse(self, other: PositionMerits, counts_instants: bool) -> bool {
         let has_left_less = || self.left.iter().zip(other.left).all(|(own, theirs)| own & !theirs == 0);
         (!counts_instants || self.instant <= other.instant) && self.cost <= other.cost && has_left_less()
     }
 }
 
-/// The positions that were reached, but for those than which another one of the same standings is no worse.
+/// The non-dominated positions reached so far.
 pub struct KnownPositions {
     reached: FxHashMap<JointStandings, Vec<ReachedPosition>>,
-    /// Whether an earlier instant is worth more cost.
+    /// Whether an earlier instant matters, even at a higher cost.
     counts_instants: bool,
 }
 
@@ -69,12 +71,12 @@ impl KnownPositions {
         KnownPositions { reached: FxHashMap::default(), counts_instants }
     }
 
-    /// Keeps a position unless one that is known is no worse; whether it was kept.
+    /// Keeps a position unless a known one dominates it; returns whether it was kept.
     pub fn takes(&mut self, position: &JointPosition, instant: u32, cost: u32) -> bool {
         let counts_instants = self.counts_instants;
         let new = PositionMerits { left: &position.left, instant, cost };
         let reached = || ReachedPosition { left: position.left.clone(), instant, cost };
-        // Most positions are known: only a new one is copied.
+        // Most positions are known; only a new one is copied.
         let Some(known) = self.reached.get_mut(&position.standings) else {
             self.reached.insert(position.standings.clone(), vec![reached()]);
             return true;
@@ -88,7 +90,7 @@ impl KnownPositions {
     }
 }
 
-/// By agent and number of errands done: one bit for each content whose traces may harm it from then on.
+/// By agent and number of errands done: one bit for each content whose traces may still contaminate it.
 pub fn harmful(problem: &AssayProblem) -> Vec<Vec<u64>> {
     let Some(traces) = &problem.traces else { return Vec::new() };
     let harming = |content: usize| {

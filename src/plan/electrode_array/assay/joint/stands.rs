@@ -1,19 +1,19 @@
-//! Where the agents of a small assay are, what each has done, and what they do next.
+//! Cells and progress of the agents of a small assay, and their next errands.
 
 use super::super::{AssayProblem, Errand, ErrandPlace};
 use crate::plan::electrode_array::board::CellIndex;
 
-/// Where an agent is, and what it has done.
+/// State of one agent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum JointStand {
-    /// It has not come yet.
+    /// It has not entered the board yet.
     Due,
     There(AgentStand),
     Gone,
 }
 
 impl JointStand {
-    /// Its place, if it is there.
+    /// Its cell and progress, if it is on the board.
     pub fn there(self) -> Option<AgentStand> {
         if let JointStand::There(stand) = self { Some(stand) } else { None }
     }
@@ -24,7 +24,7 @@ pub struct AgentStand {
     pub cell: CellIndex,
     /// Errands done.
     pub done: u32,
-    /// Steps for which it has been where the next one is, or on its loop, and no more than that takes.
+    /// Steps for which it has been at the stop of its next errand or in its loop, at most as many as the errand takes.
     pub rested: u32,
 }
 
@@ -42,7 +42,7 @@ pub fn due(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> Optio
     problem.errands[agent].get(stands[agent].there()?.done as usize).copied()
 }
 
-/// Whether what the next errand of an agent comes after is done.
+/// Whether all predecessors of an agent's next errand are done.
 pub fn may_begin(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> bool {
     let errand = match stands[agent] {
         JointStand::Due => 0,
@@ -61,7 +61,8 @@ pub fn is_done(stands: &[JointStand], place: &ErrandPlace) -> bool {
     }
 }
 
-/// The agent with which another is to merge next, if that one is to merge with it next too and nothing comes before, and where.
+/// The agent with which `agent` merges next, and the cell, if the errands of both are this merge and `agent` may begin
+/// it.
 pub fn meeting(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> Option<(usize, CellIndex)> {
     let own = due(problem, stands, agent)?;
     let other = own.meets.filter(|_| may_begin(problem, stands, agent))?;
@@ -69,7 +70,7 @@ pub fn meeting(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> O
     (theirs.meets == Some(agent) && theirs.stop == own.stop).then_some((other, own.stop))
 }
 
-/// Does all errands that can be done where the agents are.
+/// Does all errands that can be done at the agents' cells.
 pub fn settle(problem: &AssayProblem, stands: &mut [JointStand]) {
     let ready = |stands: &[JointStand], agent: usize| {
         let own = due(problem, stands, agent)?;

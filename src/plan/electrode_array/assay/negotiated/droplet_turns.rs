@@ -1,5 +1,5 @@
-//! Agents that take turns: each goes where its errand is, as soon as those that were near the cells of its way have left. Its way is a
-//! cheapest one, on which it may do harm and must wait, at a price.
+//! Agents move one after the other to their errands. Each enters a cell as soon as the agents that were near it before
+//! have left, by a cheapest path, on which contamination and waiting have a price.
 
 use crate::plan::electrode_array::assay::route::Ahead;
 use crate::plan::electrode_array::assay::{AgentCourse, AssayProblem, Errand, ErrandPlace, SplitErrand, Traces};
@@ -7,23 +7,23 @@ use crate::plan::electrode_array::board::CellIndex;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Cells of the search of a way for one step of the budget.
+/// Cells expanded by the path search for one step of the budget.
 pub(super) const CELLS_PER_STEP: u64 = 4;
 
-/// What a step costs,
+/// Cost of a step.
 const STEP_COST: u32 = 2;
 
-/// what one of a wash to a cell about which nobody negotiates, or where nothing is left,
+/// Cost of a step of a wash to a cell without toll or without traces.
 const IDLE_WASH_COST: u32 = 5;
 
-/// and what more to a cell with harmful traces.
+/// Extra cost of a step to a cell with harmful traces.
 const HARM_COST: u32 = 120;
 
-/// What it costs to wait for as long as the least plan lasts: some harm, so that who waits long for a cell goes elsewhere, whatever the stays
-/// are.
+/// Cost of waiting as long as the lower bound on the makespan. It exceeds that of one contamination, so that an agent
+/// takes a detour rather than wait long for a cell, however long the stays are.
 const WAIT_COST: u64 = 200;
 
-/// From when on a cell is clear of the agent that was near it last, and of all others.
+/// The instants from which a cell is clear: of the agent that left it last, and of all others.
 #[derive(Clone, Copy, Default)]
 struct ClearFrom {
     last: usize,
@@ -32,12 +32,12 @@ struct ClearFrom {
 }
 
 impl ClearFrom {
-    /// The instant from which on the cell is clear of all agents but one.
+    /// The instant from which the cell is clear of all agents except one.
     fn but(self, agent: usize) -> u32 {
         if self.last == agent { self.of_others } else { self.of_last }
     }
 
-    /// Notes that the cell is clear of an agent from an instant on.
+    /// Records that the cell is clear of an agent from an instant on.
     fn note(&mut self, agent: usize, from: u32) {
         if self.last == agent {
             self.of_last = self.of_last.max(from);
@@ -49,19 +49,19 @@ impl ClearFrom {
     }
 }
 
-/// The agents while they take turns.
+/// State of the agents while they take turns.
 pub(super) struct DropletTurns<'a> {
     problem: &'a AssayProblem<'a>,
     pub(super) courses: Vec<AgentCourse>,
-    /// By agent, where it is, if it is there.
+    /// By agent, its cell; `None` while it is not on the board.
     stands: Vec<Option<CellIndex>>,
-    /// By agent, of the errands done so far.
+    /// By agent, the instants at which its errands so far were done.
     done_at: Vec<Vec<u32>>,
     /// By cell.
     clear_from: Vec<ClearFrom>,
-    /// By cell, the contents that were left there since it was washed.
+    /// By cell, the contents left there since its last wash.
     soil: Vec<Vec<usize>>,
-    /// The cells at which harm was done.
+    /// The cells where contamination occurred, possibly repeated.
     pub(super) harmed: Vec<CellIndex>,
 }
 
@@ -83,10 +83,10 @@ impl<'a> DropletTurns<'a> {
         turns
     }
 
-    /// All errands in an order; `None` if one cannot be done.
+    /// Does all errands in an order; `None` if one cannot be done.
     pub(super) fn run(&mut self, order: &[ErrandPlace], ways: &mut CheapestWay) -> Option<()> {
         let mut open = order.to_vec();
-        // Whose way is barred waits for those behind it.
+        // An errand whose path is blocked waits for later ones.
         while let Some(done) =
             open.iter().position(|place| self.is_next(*place) && self.operate(place.agent, ways).is_some())
         {
@@ -113,7 +113,7 @@ impl<'a> DropletTurns<'a> {
         self.problem.errands[agent].get(self.done_at[agent].len()).copied()
     }
 
-    /// Whether an agent is there, or comes with its next errand, and all is done that this one comes after.
+    /// Whether an agent is on the board, or enters with its next errand, and all predecessors of that are done.
     fn may_begin(&self, agent: usize) -> bool {
         let next = self.done_at[agent].len();
         let is_there = self.stands[agent].is_some() || (self.problem.comes[agent] && next == 0);
@@ -121,7 +121,7 @@ impl<'a> DropletTurns<'a> {
         is_there && afters.into_iter().all(|before| before.errand < self.done_at[before.agent].len())
     }
 
-    /// The instant at which all is done that the next errand of an agent comes after.
+    /// The instant at which all predecessors of an agent's next errand are done.
     fn begins(&self, agent: usize) -> u32 {
         let afters = self.problem.afters[agent].get(self.done_at[agent].len()).into_iter().flatten();
         afters.map(|before| self.done_at[before.agent][before.errand]).max().unwrap_or(0)
@@ -159,7 +159,7 @@ impl<'a> DropletTurns<'a> {
         Some(())
     }
 
-    /// An agent comes to its start.
+    /// Puts an agent at its start.
     fn appear(&mut self, agent: usize, since: u32) {
         let start = self.problem.instance.agents[agent].start;
         self.courses[agent] = AgentCourse { since, cells: vec![start] };
@@ -167,7 +167,7 @@ impl<'a> DropletTurns<'a> {
         self.touch(agent, start, 0);
     }
 
-    /// An agent stays where it is until an instant.
+    /// Keeps an agent where it is until an instant.
     fn rest(&mut self, agent: usize, until: u32) {
         let Some(here) = self.stands[agent] else { return };
         let course = &mut self.courses[agent];
@@ -175,7 +175,7 @@ impl<'a> DropletTurns<'a> {
         course.cells.resize(count.max(course.cells.len()), here);
     }
 
-    /// An agent comes to a cell at an instant.
+    /// Moves an agent to a cell, where it arrives at an instant.
     fn step(&mut self, agent: usize, cell: CellIndex, at: u32) {
         self.rest(agent, at - 1);
         self.leave(agent, at);
@@ -183,7 +183,7 @@ impl<'a> DropletTurns<'a> {
         self.stands[agent] = Some(cell);
     }
 
-    /// An agent is no longer where it is from an instant on.
+    /// Takes an agent off its cell from an instant on.
     fn leave(&mut self, agent: usize, at: u32) {
         let Some(cell) = self.stands[agent].take() else { return };
         let instance = self.problem.instance;
@@ -192,36 +192,36 @@ impl<'a> DropletTurns<'a> {
         }
     }
 
-    /// The instant from which on a cell is clear of all others that were near it.
+    /// The instant from which a cell is clear of all other agents that were near it.
     fn free_from(&self, cell: CellIndex, agent: usize) -> u32 {
         self.clear_from[cell as usize].but(agent)
     }
 
-    /// Whether a cell is clear of all agents that are there but one.
+    /// Whether a cell is clear of the current positions of all agents except one.
     fn is_clear(&self, cell: CellIndex, but: usize) -> bool {
         let instance = self.problem.instance;
         let is_apart = |at: &CellIndex| instance.board.apart(*at, cell) >= instance.separation;
         (0..self.stands.len()).filter(|agent| *agent != but).all(|agent| self.stands[agent].iter().all(is_apart))
     }
 
-    /// What an agent contains after some errands more, where traces matter.
+    /// The contents of an agent after `more` further errands, where traces matter.
     fn content(&self, agent: usize, more: usize) -> Option<(&'a Traces, usize)> {
         let traces = self.problem.traces.as_ref()?;
         Some((traces, traces.contents[agent][self.done_at[agent].len() + more]))
     }
 
-    /// Whether what an agent contains after some errands more comes to harm on a cell.
+    /// Whether an agent, with its contents after `more` further errands, is contaminated on a cell.
     fn is_harmful(&self, agent: usize, cell: CellIndex, more: usize) -> bool {
         self.content(agent, more)
             .is_some_and(|(traces, content)| self.soil[cell as usize].iter().any(|left| traces.harms[*left][content]))
     }
 
-    /// Whether an agent takes away what others left.
+    /// Whether an agent is a wash, which removes traces.
     fn washes(&self, agent: usize) -> bool {
         self.content(agent, 0).is_some_and(|(traces, content)| traces.washes[content])
     }
 
-    /// Notes what an agent does and leaves on a cell, with what it contains after some errands more.
+    /// Records the trace of an agent on a cell, and any contamination, with its contents after `more` further errands.
     fn touch(&mut self, agent: usize, cell: CellIndex, more: usize) {
         let Some((traces, content)) = self.content(agent, more) else { return };
         if self.is_harmful(agent, cell, more) {
@@ -235,7 +235,8 @@ impl<'a> DropletTurns<'a> {
         }
     }
 
-    /// An agent goes to a cell; where another one waits for it there, the cells near it are free for it from an instant on.
+    /// Moves an agent to a cell. If another one waits for it there (`waits`), it enters the cells near it no earlier
+    /// than the given instant.
     fn travel(
         &mut self,
         agent: usize,
@@ -249,13 +250,13 @@ impl<'a> DropletTurns<'a> {
             let is_near = instance.board.apart(cell, to) < instance.separation;
             let near_from = waits.filter(|_| is_near).map_or(0, |(_, from)| from);
             self.step(agent, cell, (self.now(agent) + 1).max(self.free_from(cell, agent)).max(near_from));
-            // Who comes to another one is there as both together.
+            // At the meeting itself it has the merged contents.
             self.touch(agent, cell, usize::from(waits.is_some() && cell == to));
         }
         Some(())
     }
 
-    /// Two agents merge at a cell: one of them waits there for the other.
+    /// Merges two agents at a cell: one waits there for the other.
     fn merge(&mut self, both: [usize; 2], stop: CellIndex, ways: &mut CheapestWay) -> Option<()> {
         let begins = both.map(|agent| self.begins(agent)).into_iter().fold(0, u32::max);
         let [first, second] = if self.stands[both[1]] == Some(stop) { [both[1], both[0]] } else { both };
@@ -278,7 +279,7 @@ impl<'a> DropletTurns<'a> {
         Some(())
     }
 
-    /// An agent goes round its loop for some steps.
+    /// Moves an agent round its loop for some steps.
     fn mix(&mut self, agent: usize, around: usize, steps: u32, begins: u32) {
         let around = &self.problem.loops[around];
         let cell = |step: u32| around[step as usize % around.len()];
@@ -291,7 +292,7 @@ impl<'a> DropletTurns<'a> {
         }
     }
 
-    /// An agent is pulled apart.
+    /// Splits an agent.
     fn split(&mut self, agent: usize, errand: Errand, split: SplitErrand, begins: u32) -> Option<()> {
         let cells = [errand.stop, self.problem.instance.agents[split.child].start];
         cells.iter().all(|cell| self.is_clear(*cell, agent)).then_some(())?;
@@ -304,7 +305,7 @@ impl<'a> DropletTurns<'a> {
         Some(())
     }
 
-    /// The next errand of an agent is done at the end of its course so far.
+    /// Records that the next errand of an agent is done at the end of its course so far.
     fn note_done(&mut self, agent: usize) {
         let at = self.now(agent);
         self.done_at[agent].push(at);
@@ -314,30 +315,30 @@ impl<'a> DropletTurns<'a> {
     }
 }
 
-/// From where an agent is, to where.
+/// Query for a path from an agent's cell to a stop.
 #[derive(Clone, Copy)]
 struct WayQuery {
     agent: usize,
     to: CellIndex,
-    /// Who waits for it there.
+    /// The agent that waits for it there.
     waits: Option<usize>,
 }
 
-/// The search of a cheapest way, with buffers that consecutive searches reuse.
+/// Cheapest-path search, with buffers that consecutive searches reuse.
 pub(super) struct CheapestWay<'a> {
     ahead: &'a Ahead,
-    /// A bound on the steps of every plan.
+    /// Lower bound on the makespan of every plan, at least 1.
     least: u64,
-    /// By cell: what a step to it costs beyond the usual.
+    /// By cell: extra cost of a step to it.
     pub(super) tolls: Vec<u32>,
-    /// Steps of the budget that were taken and not charged yet.
+    /// Budget steps taken but not charged yet.
     pub(super) steps: u64,
     /// By cell: its least cost so far, and the cell before it.
     costs: Vec<(u32, CellIndex)>,
-    /// By cell: the instant at which the agent comes to it so.
+    /// By cell: the instant at which the agent arrives there on that path.
     arrivals: Vec<u32>,
     is_taken: Vec<bool>,
-    /// By least cost of the whole way, the longer part of it first.
+    /// By estimated cost of the whole path; of equal ones, that with the greater cost so far comes first.
     open: BinaryHeap<Reverse<(u32, Reverse<u32>, CellIndex)>>,
 }
 
@@ -355,7 +356,8 @@ impl CheapestWay<'_> {
         }
     }
 
-    /// The cells of a cheapest way round those that are there, after the first one; `None` if there is none.
+    /// The cells of a cheapest path around the other agents' current cells, without the first one; `None` if there is
+    /// none.
     fn cheapest(&mut self, turns: &DropletTurns, query: WayQuery) -> Option<Vec<CellIndex>> {
         let from = turns.stands[query.agent]?;
         let instance = turns.problem.instance;
@@ -391,7 +393,7 @@ impl CheapestWay<'_> {
                 let cost = cost
                     + u32::try_from(u64::from(waited) * WAIT_COST / self.least).unwrap_or(HARM_COST)
                     + match washes {
-                        // A wash goes where it is of use.
+                        // A wash prefers cells that need it.
                         true if toll > 0 && !turns.soil[next as usize].is_empty() => STEP_COST,
                         true => IDLE_WASH_COST,
                         false if turns.is_harmful(query.agent, next, more) => STEP_COST + toll + HARM_COST,
@@ -408,7 +410,7 @@ impl CheapestWay<'_> {
         self.way(from, query.to)
     }
 
-    /// The way that was found; `None` if its end was not reached.
+    /// The path found; `None` if the search did not reach its end.
     fn way(&self, from: CellIndex, mut cell: CellIndex) -> Option<Vec<CellIndex>> {
         let mut way = Vec::new();
         if self.costs[cell as usize].0 == u32::MAX {

@@ -1,19 +1,21 @@
-//! Droplets one after the other, which negotiate about the cells that their traces would close to others.
+//! Droplets planned one after the other, with negotiation about the cells that their traces would close to others.
 //!
-//! Where droplets keep out of each other's traces, lists fail: each agent takes its shortest way, and leaves there what closes it to those
-//! that come later. Here nobody is closed out at first.
+//! Where droplets keep out of each other's traces, lists fail: each agent takes its shortest path, and the trace that
+//! it leaves closes cells to agents that are planned later. Here no cell is closed at first.
 //!
-//! Method: errands are done in turn, the first of an order that can be done. Each way is a cheapest one, on which cells with harmful traces
-//! are dear, but open. Each cell at which harm was done gets dearer for everyone, and all ways are planned anew, until none does harm: negotiated congestion (PathFinder: McMurchie and Ebeling, FPGA 1995),
-//! with traces in place of wires. In time, each move is made as soon as those that were near its cell before, in this order, have left, so
-//! droplets that keep apart do their errands at the same time, and who comes to a cell after whom stays what it was. Orders to begin with: one
-//! droplet (agents that merge, or come out of one another) after the other, and those of courses that were planned otherwise, such as without
-//! regard to traces; where none does, one in which droplets have other places. Then orders in which some errands of a droplet have another
-//! place, as long as they are no worse.
+//! Method: errands are done in turn, in each turn the first one of the order that can be done. Each path is a cheapest
+//! one, on which cells with harmful traces are expensive but open. Each cell where contamination occurred gets more
+//! expensive for everyone, and all paths are planned anew until nobody is contaminated: negotiated congestion
+//! (PathFinder: McMurchie and Ebeling, FPGA 1995), with traces in place of wires. In time, each move is made as soon as
+//! the agents that were near its cell before, in this order, have left; so droplets that keep apart do their errands at
+//! the same time, and the order of visits to a cell does not change. Initial orders: one droplet (agents that merge or
+//! split) after the other, and the orders of known courses, such as courses that ignore traces; where none of these
+//! works, random permutations of the droplets. Then local search moves some errands of a droplet to another place in
+//! the order, as long as the plan is no worse.
 //!
-//! Guaranteed: a plan is legal. Not guaranteed: that one is found, or that it is short: nobody steps aside for a droplet that comes later.
-//! Cost: one step of the budget for each [`droplet_turns::CELLS_PER_STEP`] cells that the search of a way expands, and for each [`INSTANTS_PER_STEP`]
-//! instants of the courses.
+//! Guaranteed: a plan is legal. Not guaranteed: that one is found, or that it is short, since nobody steps aside for a
+//! droplet that comes later. Cost: one step of the budget for each [`droplet_turns::CELLS_PER_STEP`] cells that the
+//! path search expands, and for each [`INSTANTS_PER_STEP`] instants of the courses.
 
 mod droplet_turns;
 
@@ -28,28 +30,28 @@ use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use droplet_turns::{CheapestWay, DropletTurns};
 
-/// Most rounds of negotiation until an order is given up.
+/// Most rounds of negotiation before an order is abandoned.
 const ROUNDS: usize = 240;
 
-/// Orders that are tried until there is a plan, and then without a better one.
+/// Most orders tried until there is a plan, and then without an improvement.
 const ORDERS: usize = 500;
 
-/// Most rounds of negotiation of an order that is to be better than a known one.
+/// Most rounds of negotiation of a changed order.
 const ROUNDS_OF_OTHERS: usize = 12;
 
 /// Instants of courses for one step of the budget.
 const INSTANTS_PER_STEP: u64 = 16;
 
-/// What a step to a cell at which harm was done costs more from then on.
+/// Extra cost, from then on, of a step to a cell where contamination occurred.
 const TOLL: u32 = 3;
 
-/// One change of an order in this many brings forward the droplet that is done last.
+/// One change in N of an order moves the droplet that is done last forward.
 const LAST_IN: usize = 4;
 
-/// Seed of the changes of orders.
+/// Random seed of the changes.
 const SEED: u64 = 1;
 
-/// The best courses found, if any, from the order of the program on, and from that of some courses.
+/// The best courses found, if any, from the order of the program and from the orders of known courses.
 pub(super) fn best(
     problem: &AssayProblem,
     ahead: &Ahead,
@@ -86,7 +88,7 @@ pub(super) fn best(
 /// Errands in the order in which they are done.
 type ErrandOrder = Vec<ErrandPlace>;
 
-/// The errands in the order in which some courses come to their stops.
+/// The errands in the order in which they begin in some courses.
 fn in_order_of(problem: &AssayProblem, courses: &[AgentCourse]) -> ErrandOrder {
     let done_by = done_by(problem, courses);
     let comes = |place: &ErrandPlace| {
@@ -98,20 +100,20 @@ fn in_order_of(problem: &AssayProblem, courses: &[AgentCourse]) -> ErrandOrder {
     order
 }
 
-/// The first operation that is done with an errand of an agent, or after it.
+/// The first operation of an agent at or after an errand.
 fn next_operation(problem: &AssayProblem, from: ErrandPlace) -> usize {
     problem.operations[from.agent][from.errand..].iter().flatten().next().copied().unwrap_or(usize::MAX)
 }
 
-/// An order with each item behind those that come before it, as far as that is possible; `befores` puts these on the stack that it is
-/// given, and `is_first` tells the first time that it is asked about an item from the others.
+/// The order with each item moved behind its predecessors, as far as possible (depth-first topological sort). `befores`
+/// pushes the predecessors of an item on the stack; `is_first` returns true the first time it is asked about an item.
 fn behind_befores<T: Copy>(
     order: impl DoubleEndedIterator<Item = T>,
     mut is_first: impl FnMut(T) -> bool,
     befores: impl Fn(T, &mut Vec<(T, bool)>),
 ) -> Vec<T> {
     let mut sorted = Vec::new();
-    // An item is there twice: until those before it are sorted, and then.
+    // Each item is on the stack twice: first to push its predecessors, then to be output after them.
     let mut open: Vec<(T, bool)> = order.rev().map(|item| (item, false)).collect();
     while let Some((item, is_last)) = open.pop() {
         if is_last {
@@ -126,11 +128,11 @@ fn behind_befores<T: Copy>(
 
 struct Negotiation<'a> {
     problem: &'a AssayProblem<'a>,
-    /// By agent, the droplet that it becomes.
+    /// By agent, the number of its droplet.
     heads: Vec<usize>,
     /// By droplet, its errands in the order of their operations.
     drops: Vec<ErrandOrder>,
-    /// By droplet: those whose errands come before some of its own.
+    /// By droplet: other droplets with errands that must come before some of its own.
     befores: Vec<Vec<usize>>,
     ways: CheapestWay<'a>,
 }
@@ -157,7 +159,7 @@ impl<'a> Negotiation<'a> {
         order
     }
 
-    /// The errands of one droplet after the other, with each droplet behind those that come before it, as far as that is possible.
+    /// The errands of one droplet after the other, with each droplet behind its predecessors, as far as possible.
     fn in_turn(&self, order: &[usize]) -> ErrandOrder {
         let mut is_seen = vec![false; self.drops.len()];
         let drops = behind_befores(
@@ -168,13 +170,13 @@ impl<'a> Negotiation<'a> {
         drops.into_iter().flat_map(|drop| self.drops[drop].iter().copied()).collect()
     }
 
-    /// Courses in an order about which nothing is known yet.
+    /// Courses in a new order, without tolls from earlier ones.
     fn first_courses(&mut self, order: ErrandOrder, meter: &mut Meter) -> Option<(Vec<AgentCourse>, ErrandOrder)> {
         self.ways.tolls.fill(0);
         Some((self.courses(&order, ROUNDS, meter)?, order))
     }
 
-    /// Courses in an order in which droplets have other places.
+    /// Courses in a permuted order of the droplets.
     fn by_changes(
         &mut self,
         mut drops: Vec<usize>,
@@ -191,7 +193,8 @@ impl<'a> Negotiation<'a> {
         None
     }
 
-    /// An order in which some errands of a droplet have another place; of that which some courses end with they come earlier.
+    /// The order with some errands of a droplet moved. If courses are given, the droplet is one that is done last in
+    /// them, and its errands move forward.
     fn changed(
         &self,
         order: &[ErrandPlace],
@@ -207,7 +210,7 @@ impl<'a> Negotiation<'a> {
         let mut rest: ErrandOrder = Vec::with_capacity(order.len());
         rest.extend(order.iter().enumerate().filter(|(place, _)| !block.contains(place)).map(|(_, errand)| *errand));
         let end = if last.is_some() { block[0] } else { rest.len() };
-        // Mostly before all that another droplet does.
+        // Half of the time, before everything that another droplet does.
         let mut at = below(random, end + 1);
         if below(random, 2) == 0 && at < rest.len() {
             let other = self.heads[rest[at].agent];
@@ -217,7 +220,7 @@ impl<'a> Negotiation<'a> {
         rest
     }
 
-    /// An order with each errand behind those that come before it, as far as that is possible.
+    /// The order with each errand moved behind its predecessors, as far as possible.
     fn sorted(&self, order: &[ErrandPlace]) -> ErrandOrder {
         let problem = self.problem;
         let mut is_seen: Vec<Vec<bool>> = problem.errands.iter().map(|errands| vec![false; errands.len()]).collect();
@@ -225,7 +228,7 @@ impl<'a> Negotiation<'a> {
             order.iter().copied(),
             |place| !std::mem::replace(&mut is_seen[place.agent][place.errand], true),
             |place, open| {
-                // Those of who comes to it last, so that they are sorted first.
+                // The agent's own previous errands are pushed last for its partner too, so that they are sorted first.
                 for of in std::iter::once(place).chain(problem.partner(place)) {
                     let own = of.errand.checked_sub(1).map(|errand| ErrandPlace { errand, ..of });
                     let before = own.or_else(|| problem.given_off_by(of.agent));
@@ -236,7 +239,7 @@ impl<'a> Negotiation<'a> {
         )
     }
 
-    /// Courses that do no harm, with errands in an order.
+    /// Courses without contamination, with the errands in an order.
     fn courses(&mut self, order: &[ErrandPlace], rounds: usize, meter: &mut Meter) -> Option<Vec<AgentCourse>> {
         let order = &self.sorted(order);
         for _ in 0..rounds {

@@ -1,5 +1,6 @@
-//! Lower bound on the increase of the sum of costs, given the least joint increase of each pair (a weighted vertex cover; Li,
-//! Felner, Boyarski, Ma, Koenig, "Improved heuristics for multi-agent path finding with conflict-based search", IJCAI 2019).
+//! Lower bound on the increase of the sum of costs, given the least joint increase of each pair (a weighted vertex
+//! cover; Li, Felner, Boyarski, Ma, Koenig, "Improved heuristics for multi-agent path finding with conflict-based
+//! search", IJCAI 2019).
 
 /// Two agents whose joint costs rise by at least `weight`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -8,7 +9,7 @@ pub struct Edge {
     pub weight: u32,
 }
 
-/// With more edges than this the bound comes from a greedy matching.
+/// Most edges for which the cover is exact; with more, the bound comes from a greedy matching.
 const MOST_EDGES: usize = 12;
 
 /// A lower bound on the sum of the rises: exact for few edges.

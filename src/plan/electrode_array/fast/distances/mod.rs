@@ -1,7 +1,8 @@
 //! Distance of each cell from a stop for an agent alone: exact, and the planner's only heuristic.
 //!
-//! Where the free cells fill a rectangle, the distance is Manhattan's and nothing is stored. Elsewhere a breadth-first search from
-//! the stop fills a table of two bytes per cell; tables are cached up to [`TABLES_BYTES`] and evicted oldest first.
+//! Where the free cells form a rectangle, the distance is Manhattan's and nothing is stored. Elsewhere a breadth-first
+//! search from the stop fills a table of two bytes per cell; tables are cached up to [`TABLES_BYTES`] and evicted
+//! oldest first.
 
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -11,7 +12,7 @@ use rustc_hash::FxHashMap;
 use crate::plan::electrode_array::board::{BoardGrid, CellIndex};
 use crate::plan::search::Meter;
 
-/// Memory for all tables together: 400 of a board of 400 by 400.
+/// Memory for all tables together, in bytes: 400 tables of a board of 400 by 400.
 const TABLES_BYTES: usize = 400 * 400 * 400 * 2;
 
 /// Cells of a breadth-first search per step of the meter.

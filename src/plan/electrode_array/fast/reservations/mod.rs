@@ -9,10 +9,10 @@ use crate::plan::electrode_array::board::{CellIndex, Instance};
 /// The instant after all others.
 pub(super) const NEVER: u32 = u32::MAX;
 
-/// Marks the spans of an agent on the goal where it merges.
+/// Mark of the spans of an agent on the goal where it merges.
 const PARKED: u32 = 1 << 31;
 
-/// Marks the spans around the start of an agent without a path yet.
+/// Mark of the spans around the start of an agent without a path yet.
 const HAZARD: u32 = 1 << 30;
 
 /// A span of instants `from..to` in which its owner forbids a cell. The owner is twice the agent, plus one for the second of the
@@ -62,7 +62,7 @@ pub(super) struct Asking<'a> {
     /// The agents with which it merges on its goal.
     pub(super) partners: &'a [u32],
     pub(super) others: Others,
-    /// What a soft conflict with each agent costs; 1 with those beyond its end.
+    /// Cost of a soft conflict with each agent; 1 for agents beyond the end of the slice.
     pub(super) weights: &'a [u32],
 }
 

@@ -30,17 +30,17 @@ pub(super) struct Query<'a> {
     pub(super) start: CellIndex,
     pub(super) route: &'a StopRoute,
     pub(super) asking: Asking<'a>,
-    /// Instants that one unit of cost is worth.
+    /// Value of one unit of conflict cost, in instants.
     pub(super) weight: u32,
     /// Extra weight of the heuristic, in parts of [`GRAIN`] (weighted A*): a larger value heads straight for the goal.
     pub(super) haste: u32,
     /// Latest arrival.
     pub(super) limit: u32,
-    /// It stays on its start until this instant.
+    /// The agent stays on its start until this instant.
     pub(super) delay: u32,
 }
 
-/// The stops of an agent, with the distances to each.
+/// The stops of an agent, with the distances to each of them.
 #[derive(Debug, Clone)]
 pub(super) struct StopRoute {
     stops: Vec<(CellIndex, DistanceField)>,
@@ -49,7 +49,7 @@ pub(super) struct StopRoute {
 }
 
 impl StopRoute {
-    /// `stops` must not be empty. The error is the index of the first stop that is unreachable from the one before.
+    /// `stops` must not be empty. The error is the index of the first stop that is unreachable from the previous one.
     pub(super) fn new(start: CellIndex, stops: Vec<(CellIndex, DistanceField)>) -> Result<StopRoute, usize> {
         let mut from = start;
         for (index, (stop, field)) in stops.iter().enumerate() {
@@ -85,7 +85,7 @@ impl StopRoute {
     }
 }
 
-/// The earliest known arrival in a segment at some cost.
+/// A non-dominated arrival in a segment: no known one is both as early and as cheap.
 #[derive(Debug, Clone, Copy)]
 struct SippNode {
     cell: CellIndex,
@@ -99,7 +99,7 @@ struct SippNode {
     closed: bool,
 }
 
-/// The search with buffers that consecutive searches reuse.
+/// The search, with buffers that consecutive searches reuse.
 #[derive(Debug)]
 pub(super) struct Sipp {
     round: u32,
