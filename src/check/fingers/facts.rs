@@ -18,7 +18,7 @@ const STEP_SLACK: f64 = 1e-4;
 /// The largest length of a hand: a metre.
 const MAX_LENGTH_UM: f64 = 1e6;
 
-/// The smallest length that is planned with: an atom.
+/// The smallest length that is allowed: that of an atom.
 const MIN_LENGTH_UM: f64 = 1e-4;
 
 /// Least non-zero and greatest force: a femtonewton and a newton.
