@@ -10,7 +10,7 @@ use crate::real::Real;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// Greatest number of decompositions of one step that are searched.
+/// Greatest number of decompositions of one step that a plan chooses from.
 pub const MAX_WAYS: usize = 48;
 
 /// Sine of the middle angle below which the first and the last turn share their axis, so that only one of them is left.
@@ -48,9 +48,9 @@ const CHOICES: u32 = 1 << 6;
 /// Share by which a turn of whole steps may exceed 360 deg.
 const FULL_SLACK: f64 = 1e-2;
 
-/// The decompositions into up to three turns of whole steps in alternating planes that come near a relative orientation: both solutions of
-/// its angles, with either plane first, each angle in either direction, and by the nearest number of steps or the next one. Without
-/// duplicates, those of less turning first, at most [`MAX_WAYS`].
+/// The decompositions into up to three turns of whole steps in alternating planes that come near a relative
+/// orientation: both solutions of its angles, with either plane first, each angle in either direction, and by the
+/// nearest number of steps or the next one. Without duplicates, sorted by total turning, the least first.
 pub fn ways(goal: &Orientation, part: &HandPart) -> Vec<TurnsToOrientation> {
     let mut found: Vec<TurnsToOrientation> = Vec::new();
     for first in Plane::ALL {

@@ -53,7 +53,7 @@ impl RobotBody {
         towards.chain(back).reduce(shorter).unwrap_or_default()
     }
 
-    /// The shortest shift that brings it out of a body that it overlaps; `None` if it overlaps it nowhere.
+    /// The shortest shift that brings it out of a body that it overlaps; `None` if they do not overlap.
     pub fn way_out(&self, other: &RobotBody) -> Option<Vector2<f64>> {
         let of_other = other.sides().map(|(normal, at)| normal * -self.beyond_um(normal, at));
         let own = self.sides().map(|(normal, at)| normal * other.beyond_um(normal, at));
@@ -102,7 +102,8 @@ impl ObstacleSolid {
         Some(ObstacleSolid { body, centre, reach_um })
     }
 
-    /// Distance of a robot's body from it; at most 0 where they touch. Only exact up to `enough_um`.
+    /// Distance of a robot's body from it; at most 0 where they touch. Exact only up to `enough_um`; above that a lower
+    /// bound.
     pub fn gap_um(&self, body: &RobotBody, enough_um: f64) -> f64 {
         let least_um = (self.centre - body.centre).norm() - self.reach_um - body.reach_um;
         if least_um > enough_um {
