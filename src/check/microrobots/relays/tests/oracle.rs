@@ -1,4 +1,5 @@
-//! Relays by simulation: every arm from both states and with its voltages at every corner of the margin, one bit for each.
+//! Simulation of relays: every arm from both states and with its voltages at every corner of the margin, one bit for
+//! each combination.
 
 use super::{AllowedGaps, PatternTarget, RelayRow, Source, VoltageTable, faults};
 use rustc_hash::FxHashMap;
@@ -17,7 +18,7 @@ type Arms = u128;
 pub struct Bed {
     rows: Vec<RelayRow>,
     corner_v: f64,
-    /// Levels with distinct effects, with the arms that they let down and up.
+    /// Levels with distinct effects, as the arms that each lowers and raises.
     levels: Vec<(Arms, Arms)>,
 }
 
@@ -37,7 +38,7 @@ impl Bed {
         bed
     }
 
-    /// The arms that a level lets down and up.
+    /// The arms that a level lowers and raises.
     fn effect(&self, level_v: f64) -> (Arms, Arms) {
         let (mut down, mut up) = (0, 0);
         for (at, row) in self.rows.iter().enumerate() {
@@ -60,7 +61,7 @@ impl Bed {
         (0..self.rows.len()).fold(0, |arms, row| arms | half << (row * COPIES))
     }
 
-    /// The pattern of arms of which all of a row agree.
+    /// The pattern of arms, if all copies of each row agree.
     fn pattern(&self, arms: Arms) -> Option<String> {
         let all = (1 << COPIES) - 1;
         let digit = |row: usize| match arms >> (row * COPIES) & all {
@@ -80,7 +81,7 @@ impl Bed {
         self.pattern(levels_v.iter().fold(self.first(), step))
     }
 
-    /// Every pattern that some levels set from every arm state at every corner, and how few do.
+    /// Every pattern that some levels set from every arm state at every corner, and the least number of levels that do.
     pub fn accessible(&self) -> BTreeMap<String, usize> {
         let mut lengths: FxHashMap<Arms, usize> = FxHashMap::from_iter([(self.first(), 0)]);
         let mut open = VecDeque::from([self.first()]);
@@ -157,7 +158,7 @@ fn has_short_cycles(table: &VoltageTable) -> bool {
     })
 }
 
-/// Numbers from a seed: xorshift.
+/// Xorshift random numbers from a seed.
 pub struct Random(pub u64);
 
 impl Random {
