@@ -1,12 +1,12 @@
 //! Camera frames: conversion of pixels into scene coordinates.
 //!
-//! `frame top : image { scale: 0.32 um/px } at pose(…)` places the image of a camera in a scene. Input: values of a program,
-//! with places and poses in pixels. Output: the same in lengths from the origin of the scene. Promise: this is done once, where a
-//! place or a pose of the scene or of a task in it is accepted; no later stage handles pixels.
+//! `frame top : image { scale: 0.32 um/px } at pose(…)` places the image of a camera in a scene. Input: values of a
+//! program, with places and poses in pixels. Output: the same in lengths from the origin of the scene. Promise: this is
+//! done once, where a place or a pose of the scene or of a task in it is accepted; no later stage handles pixels.
 //!
-//! In an image x counts along its rows to the right and y down its columns, as cameras and programs for images count. A heading is
-//! counter-clockwise in the image: 90 deg faces up, towards smaller y. The heading of the frame is the direction of the rows in the
-//! scene; `mirrored` means that the image shows the scene from behind.
+//! In an image x counts along its rows to the right and y down its columns, as cameras and programs for images count. A
+//! heading is counter-clockwise in the image: 90 deg faces up, towards smaller y. The heading of the frame is the
+//! direction of the rows in the scene; `mirrored` means that the image shows the scene from behind.
 
 use super::figures::Figures;
 use super::value::{PoseValue, ShapeValue, Value};

@@ -50,7 +50,8 @@ fn extents<'a>(given: &'a [Given], table: &[device::VocabularyField]) -> Option<
 }
 
 impl Checker<'_> {
-    /// Reads fields against their table; unknown, repeated and unfit ones are reported. Missing ones are left to the caller.
+    /// Reads fields against their table; unknown, repeated and unfit ones are reported. Missing ones are left to the
+    /// caller.
     pub fn read_fields(
         &mut self,
         owner: &Owner,

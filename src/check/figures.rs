@@ -8,7 +8,7 @@ use super::value::{Accepted, Value, whole};
 use crate::diagnostic::Sink;
 use crate::quantity::Quantity;
 
-/// Accepted fields by the sort of figure that they hold.
+/// Access to accepted fields by the sort of figure that they hold.
 pub trait Figures {
     /// A quantity as it was written, or its default.
     fn quantity(&self, name: &str) -> Option<Quantity>;

@@ -149,7 +149,8 @@ fn comparison(operator: Operator, left: Operand, right: Operand) -> Diagnosed<Va
     Ok(Value::Bool(holds))
 }
 
-/// Whether an operator tests equality of two values of one sort other than quantities; such comparisons are evaluated elsewhere.
+/// Whether an operator tests equality of two values of one sort other than quantities; such comparisons are evaluated
+/// elsewhere.
 pub fn is_equality(operator: Operator, a: &Value, b: &Value) -> bool {
     matches!(operator, Operator::Equal | Operator::NotEqual)
         && std::mem::discriminant(a) == std::mem::discriminant(b)

@@ -126,7 +126,7 @@ impl Checker<'_> {
         Some((format!("{name}.{input}"), Some((name, input))))
     }
 
-    /// Reports a task that both holds and requires a least time, and inputs that are also outputs.
+    /// Reports a task that both waits for something and requires a least time, and inputs that are also outputs.
     pub fn holds_of(&mut self, jobs: &[Job], wires: &BTreeMap<String, String>, bench: &Bench) {
         for job in jobs.iter().filter(|job| !job.holds.is_empty()) {
             let spans = job.step_spans();

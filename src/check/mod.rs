@@ -343,7 +343,7 @@ impl<'a> Checker<'a> {
         Declaration { sort, item: place.item, span: name.span }
     }
 
-    /// The name of a declaration and where it stands.
+    /// The name of a declaration, and its span there.
     fn named(&self, place: DeclarationPlace) -> (&'a str, Span) {
         scope::declared(self.item(place)).map_or(("", Span::default()), |(name, _)| (&name.text, name.span))
     }

@@ -1,7 +1,7 @@
 //! Neighbours: the robots of a program that must keep apart.
 //!
-//! Promise: a device has one place in all scenes of a program, so that the relative place of any two with a place in the same
-//! scene is known.
+//! Promise: a device has one place in all scenes of a program, so that the relative place of any two with a place in
+//! the same scene is known.
 
 use super::frames::DeviceFrame;
 use super::scenes::CheckedScene;

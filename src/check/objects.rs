@@ -18,7 +18,8 @@ use std::rc::Rc;
 pub type JudgedScenes = BTreeMap<(DeclarationPlace, DeclarationPlace), Rc<dyn Any>>;
 
 impl Checker<'_> {
-    /// The scene of a task as its device meets it, judged once with each device; `judge` gets `None` where the task has no scene.
+    /// The scene of a task as its device meets it, judged once with each device; `judge` gets `None` where the task has
+    /// no scene.
     pub fn scene_met<S: 'static>(
         &mut self,
         site: &TaskSite,

@@ -79,7 +79,7 @@ fn of_task(task: &mut Task, faults: &[Span], left_out: &mut LeftOut) {
     }
 }
 
-/// The index of the first entry that is no setting.
+/// The index of the first entry that is not a setting.
 fn first_step(task: &Task) -> usize {
     task.entries.iter().position(is_step).unwrap_or(task.entries.len())
 }

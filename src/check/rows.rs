@@ -22,8 +22,8 @@ const ROWS: ListForm = ListForm { what: "a list for each row", example: "[[4, 5,
 const TABLES: ListForm = ListForm { what: "a list of lists of lists", example: "[[[3], [3, 2], [0, 9]]]" };
 
 impl Checker<'_> {
-    /// A list of rows, each a list of [`Value::Quantity`]s and, at empty places, the text [`NONE`]; `None` after an error. The rows are
-    /// written out; each may be a range or the name of a list.
+    /// A list of rows, each a list of [`Value::Quantity`]s and, at empty places, the text [`NONE`]; `None` after an
+    /// error. The rows are written out; each may be a range or the name of a list.
     pub fn accept_rows(&mut self, most: u32, expr: &Expr, scope: &Scope, wanted: &WantedName) -> Option<Value> {
         self.rows(most, expr, scope, wanted, ROWS)
     }

@@ -61,7 +61,7 @@ pub enum DeclarationSort {
 }
 
 impl DeclarationSort {
-    /// Without an article.
+    /// Noun without an article.
     pub fn name(self) -> &'static str {
         match self {
             DeclarationSort::Let => "value",
@@ -74,7 +74,7 @@ impl DeclarationSort {
         }
     }
 
-    /// With its article.
+    /// Noun with its article.
     pub fn describe(self) -> &'static str {
         match self {
             DeclarationSort::Let => "a value",

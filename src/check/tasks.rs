@@ -159,7 +159,7 @@ impl<'a> Checker<'a> {
         let place = place?;
         let device = self.inherited::<Kind>(place)?;
         scope.view = self.view_of(scene);
-        // The words are checked even if the device's own figures are unknown.
+        // The task's words are checked even if the device's own figures are unknown.
         let mut parts = self.parts(item, device.root.vocabulary(), scope);
         let is_whole = parts.is_whole && super::limits::can_be_kept(&parts.requirements, self.sink);
         let requirements = std::mem::take(&mut parts.requirements);
@@ -423,7 +423,7 @@ impl<'a> Checker<'a> {
         Some(ContentRequirement { part, share, relation: sides.relation, limit: limit.si, span: expr.span })
     }
 
-    /// A bare word that names no value is meant as an outcome.
+    /// The outcome that a bare word means, unless it names a value.
     fn outcome_name<'e>(&self, expr: &'e Expr, scope: &Scope) -> Option<(&'e str, Span)> {
         let ExprKind::Path(path) = &expr.kind else { return None };
         let name = path.segments[0].name.text.as_str();
@@ -489,7 +489,7 @@ impl<'a> Checker<'a> {
         is_whole.then_some(calls)
     }
 
-    /// The verbs of a block; and whether nothing was left out because of errors.
+    /// Collects the verbs of a block; `false` if any was left out because of an error.
     fn calls(
         &mut self,
         entries: &[Entry],
@@ -545,7 +545,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Whether a word begins a step or a setting that is no goal.
+/// Whether a word begins a step or a setting that is not a goal.
 fn is_no_goal(word: &str) -> bool {
     word == "run" || STEP_WORDS.contains(&word) || device::condition_of_any_kind(word).is_some()
 }

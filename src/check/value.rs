@@ -88,12 +88,12 @@ pub struct BoardFile {
     pub left_out: LeftOut,
 }
 
-/// Electrodes of a file that are no cells of the board, by their names, in the order of the file.
+/// Names of the electrodes of a file that are not cells of the board, in the order of the file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LeftOut {
     /// On one channel with others, some of which are off the lattice.
     pub sharing: Vec<String>,
-    /// At places of the lattice from which there is no way to the others.
+    /// At places of the lattice that are disconnected from the others.
     pub cut_off: Vec<String>,
     /// Of another size than most, between the places of the others, or away from all of them.
     pub off_lattice: Vec<String>,
@@ -253,7 +253,7 @@ impl Value {
         }
     }
 
-    /// Whether nothing is known of it.
+    /// Whether it is unknown.
     pub fn is_unknown(&self) -> bool {
         matches!(self, Value::Unknown)
     }

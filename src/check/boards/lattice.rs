@@ -42,8 +42,7 @@ struct Lattice {
 
 /// The board of a drawing.
 ///
-/// # Errors
-/// Why it is none, as the rest of a sentence.
+/// Why the drawing is not a board, as the rest of a sentence.
 pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLimits) -> Result<BoardFile, String> {
     let BoardLimits { most_side, .. } = limits;
     let (Lattice { places, spacing }, sharing) =

@@ -162,7 +162,7 @@ impl<'a> StopJudge<'a> {
         format!("{}, cell {cell}", place(self.scene_um(cell)))
     }
 
-    /// Number of modules that would bring a place into the workspace, if any number does.
+    /// Help with the number of modules that would bring a place into the workspace, if any number does.
     fn modules_to_reach(&self, place_um: [f64; 2]) -> String {
         if place_um[0] < 0.0 || place_um[1] < 0.0 {
             return match self.cover.frame {
@@ -193,7 +193,7 @@ impl<'a> StopJudge<'a> {
         }
     }
 
-    /// Number of modules with which a cell would exist, on the sides that have too few.
+    /// Help with the number of modules with which a cell would exist, on the sides that have too few.
     fn modules_for_cell(&self, x: i64, y: i64) -> String {
         if x < 0 || y < 0 {
             return "; cells count from 0".to_owned();

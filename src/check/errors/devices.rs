@@ -50,7 +50,8 @@ pub fn cells_indistinguishable(span: Span, repeatability: &str, pitch: &str) -> 
         .help("more modules refine the lattice, not the robot: places are no better than the repeatability")
 }
 
-/// For an existing module its channels are listed by the part after the dot; for a missing module the valid range is given.
+/// For an existing module its channels are listed by the part after the dot; for a missing module the valid range is
+/// given.
 pub fn unknown_channel(span: Span, owner: &str, channel: &str, known: &[String]) -> Diagnostic {
     let module = |channel: &str| channel.split('.').next().unwrap_or_default().to_owned();
     let of_module = known.iter().filter(|known| module(known) == module(channel)).map(String::as_str);

@@ -102,7 +102,7 @@ pub fn unknown_shape(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
         .near_or(shape_synonym(name).or(near), known)
 }
 
-/// The shape that another word means elsewhere.
+/// The shape for a synonym that other programs use.
 fn shape_synonym(name: &str) -> Option<&'static str> {
     Some(match name.to_lowercase().as_str() {
         "circle" | "round" | "dot" => "disc",
@@ -305,7 +305,7 @@ pub fn unknown_verb(span: Span, verb: &str, vocabulary: &Vocabulary, near: Optio
     Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`")).label(span, "not a step").near_or(near, list)
 }
 
-/// The verb of the kind that another word means elsewhere.
+/// The verb of the kind for a synonym that other programs use.
 fn verb_synonym(name: &str, vocabulary: &Vocabulary) -> Option<&'static str> {
     let ours: &[&'static str] = match name.to_lowercase().as_str() {
         "go" | "goto" | "mv" | "travel" | "carry" | "bring" | "send" | "transport" => &["move", "drive", "translate"],
@@ -422,7 +422,7 @@ pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) 
         .near_or(own.or(near), list)
 }
 
-/// The noun that another word means elsewhere.
+/// The noun for a synonym that other programs use.
 fn noun_synonym(noun: &str) -> Option<&'static str> {
     Some(match noun.to_lowercase().as_str() {
         "droplet" | "drop" | "sample" | "bead" | "particle" | "micropart" | "object" => "part",

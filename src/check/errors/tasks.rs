@@ -33,12 +33,12 @@ pub fn on_obstacle(
         .help_if(free)
 }
 
-/// Adds the place where an argument's value was given, if it has a name.
+/// Labels the origin of an argument's value, if it has one.
 pub fn given_at(diagnostic: Diagnostic, argument: &Argument) -> Diagnostic {
     given_from(diagnostic, argument.span, argument.origin.as_ref())
 }
 
-/// As [`given_at`] for a value that is labelled already, by its span.
+/// As [`given_at`], for a value that already has a label at `labelled`.
 pub fn given_from(diagnostic: Diagnostic, labelled: Span, origin: Option<&ValueOrigin>) -> Diagnostic {
     match origin {
         Some(origin) => diagnostic.label_elsewhere(origin.span, labelled, origin.text.clone()),
@@ -110,7 +110,7 @@ pub fn wrong_noun(noun: &Ident, verb: &Verb, own: &str, near: Option<&str>) -> D
         .near_or(near, format!("write `{}`", verb.example))
 }
 
-/// Something in a verb's braces that is no entry.
+/// Something in a verb's braces that is not an entry.
 pub fn no_entry(span: Span, verb: &Verb) -> Diagnostic {
     Diagnostic::new(Code::E0509, format!("this is no entry of `{}`", verb.name))
         .label(span, "an object and its prepositions belong here, without a verb")

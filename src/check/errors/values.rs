@@ -86,7 +86,8 @@ fn example(dimension: Dimension, found: &Value) -> String {
     format!("{} {unit}", if is_plain(&written) { written.as_str() } else { "1" })
 }
 
-/// The unit in which a value keeps its size: a length given for a length per pixel is `0.02 um` in `0.02 um/px`.
+/// The numerator of the likely unit if the value has its dimension, so that the value keeps its size: a length given
+/// for a length per pixel is `0.02 um` in `0.02 um/px`.
 fn kept_unit(dimension: Dimension, found: &Value) -> Option<String> {
     let unit = likely_unit(dimension, found);
     let (numerator, _) = unit.split_once('/')?;

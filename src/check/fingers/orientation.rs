@@ -121,7 +121,7 @@ fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &HandPart) -> 
         let nearest = exact.round();
         let other = if exact < nearest { nearest - 1.0 } else { nearest + 1.0 };
         let steps = if is_next { other } else { nearest };
-        // A full turn is no distinct way to stay in place.
+        // A full turn is not a distinct way to stay in place.
         if steps.abs() * step_rad > TAU * (1.0 + FULL_SLACK) || is_long && short.abs() < FULL_SLACK {
             return None;
         }

@@ -29,8 +29,8 @@ pub struct TurnDemand {
     pub is_loaded: bool,
 }
 
-/// The `step` nearest to a hand's own, in degrees, with which a part is turned as wanted to within a precision; those of whole degrees
-/// come first. `None` where there is none, or none of those that were tried.
+/// The `step` nearest to a hand's own, in degrees, with which a part is turned as wanted to within a precision; those
+/// of whole degrees come first. `None` where there is none, or none of those that were tried.
 pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, demand: &TurnDemand) -> Option<f64> {
     let TurnDemand { precision_rad, is_loaded } = *demand;
     let curves = [Some(&part.xy), part.xz.as_ref()].map(|section| Curve::of(&section?.outline).ok());

@@ -1,4 +1,4 @@
-//! The steps of a task: checks that do not depend on the part's orientation at that time.
+//! Checks of the steps of a task that do not depend on the part's orientation at that time.
 
 use super::bench::HandScene;
 use super::errors;

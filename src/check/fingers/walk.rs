@@ -99,7 +99,7 @@ enum PartHold {
     Free(Option<Span>),
 }
 
-/// A hand between two steps.
+/// State of a hand between two steps.
 struct HandWalk {
     part: Arc<HandPart>,
     hold: PartHold,
@@ -197,8 +197,8 @@ impl HandWalk {
         Ok(())
     }
 
-    /// The decompositions that reach an orientation from every possible present one; and, if these are too many to be searched,
-    /// a lower bound on the steps of the ones left out.
+    /// The decompositions that reach an orientation from every possible present one; if these are too many to be
+    /// searched, also a lower bound on the steps of those left out.
     fn orient(
         &mut self,
         asked: errors::AskedTurn,

@@ -1,4 +1,4 @@
-//! Bodies of robots, and obstacles: their distances from each other.
+//! Bodies of robots and obstacles, and the distances between them.
 
 use crate::claims::microrobots::MicrorobotsObstacle;
 use crate::device::microrobots::Robot;
@@ -12,14 +12,14 @@ pub const SLACK_UM: f64 = 1e-6;
 /// The body of a robot at a pose: a rectangle about the pose's place, its long side along the heading.
 #[derive(Debug, Clone, Copy)]
 pub struct RobotBody {
-    /// Counter-clockwise, from the right of the front.
+    /// Counter-clockwise, beginning at the front right.
     pub corners: [Point2<f64>; 4],
     centre: Point2<f64>,
     reach_um: f64,
 }
 
 impl RobotBody {
-    /// The body of a robot that stands somewhere.
+    /// The body of a robot at a pose.
     pub fn of(robot: &Robot, pose: Pose) -> RobotBody {
         let (half_um, side_um) = (robot.length_um / 2.0, robot.width_um / 2.0);
         let frame = pose.isometry();
@@ -63,7 +63,7 @@ impl RobotBody {
         of_other.into_iter().chain(own).reduce(shorter).filter(|_| !lies_apart)
     }
 
-    /// Distance of its nearest corner beyond a line; negative where it reaches across.
+    /// Signed distance of its nearest corner from a line, along the normal; negative where the body reaches across.
     pub fn beyond_um(&self, normal: Vector2<f64>, at: Point2<f64>) -> f64 {
         self.corners.iter().map(|corner| (corner - at).dot(&normal)).fold(f64::INFINITY, f64::min)
     }

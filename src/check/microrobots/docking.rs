@@ -1,4 +1,5 @@
-//! Whether robots at their goals hold together: the first two meet head on, each further one meets the structure by its front.
+//! Whether robots at their goals hold together: the first two meet head on, each further one meets the structure by its
+//! front.
 //!
 //! Section 3.5 of the paper: two robots that meet head on slide until their fronts are aligned; a robot that comes to a
 //! structure turns about the corner that touches first until its front lies along the edge. The angles up to which that
@@ -53,7 +54,7 @@ pub struct GoalLimits {
     pub flat_rad: f64,
 }
 
-/// Whether two bodies touch as docked bodies may.
+/// Whether two bodies touch, within the docking tolerance.
 pub fn touches(one: &Docked, other: &Docked, docking: &Docking) -> bool {
     one.body().gap_um(&other.body()).abs() <= docking.tolerance_um + SLACK_UM
 }

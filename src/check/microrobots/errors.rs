@@ -526,7 +526,8 @@ pub fn docked_apart(
         .help_if(mended_at(mended, "docks"))
 }
 
-/// `found` is the angle between the axes and their distance, if the two face each other; the distance may be up to `most_um`.
+/// `found` is the angle between the axes and their distance, if the two face each other; the distance may be up to
+/// `most_um`.
 pub fn not_head_on(
     goal: &GoalPlace,
     other: &GoalPlace,

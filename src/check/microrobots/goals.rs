@@ -1,4 +1,4 @@
-//! The steps of a task: checks that do not depend on the robots' places at that time.
+//! Checks of the steps of a task that do not depend on the robots' places at that time.
 
 use super::CheckedBed;
 use super::bodies::{ObstacleSolid, RobotBody};

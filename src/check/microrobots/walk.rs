@@ -51,7 +51,7 @@ fn origin_of(action: &MicrorobotsAction, at: Span) -> Option<&ValueOrigin> {
     origins.all(|origin| origin == first).then_some(first)?
 }
 
-/// A bed between two steps.
+/// State of a bed between two steps.
 struct BedWalk {
     /// Start poses of the first scene.
     robots: Arc<Vec<Placed>>,
@@ -176,7 +176,8 @@ fn in_this_order(structure: &[Docked], goals: &[Docked], limits: &GoalLimits) ->
     None
 }
 
-/// Docking partner of the goal at an index: the first two begin a structure of their own, unless the first one touches another.
+/// Docking partner of the goal at an index: the first two begin a structure of their own, unless the first one touches
+/// another.
 fn partner<'a>(structure: &[Docked], goals: &'a [Docked<'a>], at: usize, docking: &Docking) -> Partner<'a> {
     let first = &goals[0];
     let is_new = structure.iter().all(|docked| !docking::touches(first, docked, docking));

@@ -127,8 +127,8 @@ impl<'a> PatternTarget<'a> {
         Some(best)
     }
 
-    /// The chain whose levels may all be off by `slack`, if it has at most `most` levels; `side` is where the level before the last
-    /// one lies.
+    /// The chain whose levels may all be off by `slack`, if it has at most `most` levels; `side` is where the level
+    /// before the last one lies.
     fn chain(&self, side: LevelSide, slack: i64, most: usize) -> Option<ReversedCycle> {
         let (least, highest) = (slack, self.table.max - slack);
         let reach = self.table.margin + slack;
@@ -174,8 +174,8 @@ impl<'a> PatternTarget<'a> {
 
     /// The middles of the intervals in order of time.
     ///
-    /// The first level only needs to be far enough out. If that costs no slack, it is the one that moves all arms of the table, so
-    /// that cycles have few different levels in all.
+    /// The first level only needs to be far enough out. If that costs no slack, it is the one that moves all arms of
+    /// the table, so that the cycles of a table have few different levels in all.
     fn levels_v(&self, chain: &ReversedCycle) -> Vec<f64> {
         let mut intervals = chain.intervals.clone();
         intervals.reverse();

@@ -1,16 +1,16 @@
 //! Suggests a table of voltages for a number of robots: the one whose smallest slack is greatest.
 //!
-//! Input: margin, range and drive levels of a source. Output: [`Suggestion`]. Promise: no table has a greater slack, and no table
-//! has more robots than `most`, among STRING tables whose control cycles have at most two levels. (Longer cycles set the states
-//! of somewhat larger tables, which are not searched here.)
+//! Input: margin, range and drive levels of a source. Output: [`Suggestion`]. Promise: no table has a greater slack,
+//! and no table has more robots than `most`, among STRING tables whose control cycles have at most two levels. (Longer
+//! cycles set the states of somewhat larger tables, which are not searched here.)
 //!
-//! With two levels each of the n - 1 states between the first and the last needs a gap of 2 (margin + s) between the arms that
-//! are down and those that are up, in snap-down or in release, if its slack is to be s. Let p of them be gaps in snap-down and
-//! q = n - 1 - p in release. The first and the last state need 2 s between the least release voltage - margin and 0 V, and between
-//! the greatest snap-down voltage + margin and the maximum. So s is at most (m - f - 3 d - 2 d p) / (2 p + 2) and at most
-//! (r - 3 d - 2 d q) / (2 q + 2), where d is the margin, m the maximum, f the flex level and r the relax level. Equal steps reach
-//! the smaller of the two, and the best p is found by trying all. Where f - r alone is given, both bounds together allow
-//! s = (m - (f - r) - 6 d - 2 d (n - 1)) / (2 n + 2), whatever p.
+//! With two levels each of the n - 1 states between the first and the last needs a gap of 2 (margin + s) between the
+//! arms that are down and those that are up, in snap-down or in release, if its slack is to be s. Let p of them be gaps
+//! in snap-down and q = n - 1 - p in release. The first and the last state need 2 s between the least release voltage -
+//! margin and 0 V, and between the greatest snap-down voltage + margin and the maximum. So s is at most (m - f - 3 d -
+//! 2 d p) / (2 p + 2) and at most (r - 3 d - 2 d q) / (2 q + 2), where d is the margin, m the maximum, f the flex level
+//! and r the relax level. Equal steps reach the smaller of the two, and the best p is found by trying all. Where f - r
+//! alone is given, both bounds together allow s = (m - (f - r) - 6 d - 2 d (n - 1)) / (2 n + 2), whatever p.
 
 use super::relays::table::units;
 use super::relays::{AllowedGaps, RelayRow, Source, analyse};

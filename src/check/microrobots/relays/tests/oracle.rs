@@ -174,7 +174,8 @@ impl Random {
         (least + self.below((most - least + 1) as u64) as i64) as f64
     }
 
-    /// A table of at most `most` robots whose neighbours are about two margins apart, and a source with nearly tight limits.
+    /// A table of at most `most` robots whose neighbours are about two margins apart, and a source with nearly tight
+    /// limits.
     pub fn table(&mut self, most: u64) -> (Vec<RelayRow>, Source) {
         let margin_v = [0.5, 1.0, 2.0, 4.0][self.below(4) as usize];
         let grain_v = margin_v / [1.0, 2.0, 4.0][self.below(3) as usize];
