@@ -343,7 +343,7 @@ impl<'a> Checker<'a> {
         Declaration { sort, item: place.item, span: name.span }
     }
 
-    /// The name of a declaration, and its span there.
+    /// The name of a declaration, and where that name stands.
     fn named(&self, place: DeclarationPlace) -> (&'a str, Span) {
         scope::declared(self.item(place)).map_or(("", Span::default()), |(name, _)| (&name.text, name.span))
     }
@@ -423,7 +423,7 @@ impl<'a> Checker<'a> {
             Some(import) if is_alone => {
                 self.sink.push(errors::file_for_value(path.span, &first.name.text, import.span, sort));
             }
-            // The alias of a `use` that could not be read is unknown; it may be this one.
+            // The name may be that of a file that could not be used, or of a `use` that could not be read.
             None if !is_alone && file.has_broken_use(&first.name.text) => {}
             None if !is_alone => {
                 let near = scope::nearest(&first.name.text, file.imports.keys().map(String::as_str));

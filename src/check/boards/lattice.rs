@@ -73,8 +73,8 @@ pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLi
 }
 
 /// The lattice of the electrodes whose channels switch none off it, and the shared channels that do, which are left
-/// out: the pull of their electrodes off the lattice is unknown. Each round leaves out some more channels; `None`
-/// without an electrode that has bounds.
+/// out: the pull of their electrodes off the lattice is unknown. Each round leaves out some more channels; `None` if no
+/// electrode is left on a lattice.
 fn whole_channels(electrodes: &[DrawnElectrode]) -> Option<(Lattice, BTreeSet<u32>)> {
     let mut uses: BTreeMap<u32, u32> = BTreeMap::new();
     electrodes.iter().for_each(|electrode| *uses.entry(electrode.channel).or_default() += 1);
@@ -99,7 +99,7 @@ fn whole_channels(electrodes: &[DrawnElectrode]) -> Option<(Lattice, BTreeSet<u3
     None
 }
 
-/// The largest connected set of electrodes; `None` without an electrode that has bounds.
+/// The largest connected set of electrodes; `None` if no electrode has bounds that fit a lattice.
 fn lattice(electrodes: &[DrawnElectrode]) -> Option<Lattice> {
     let drawn = electrodes.iter().enumerate().filter_map(|(index, electrode)| Some((index, electrode.bounds?)));
     let drawn: Vec<(usize, [f64; 4])> = drawn.collect();

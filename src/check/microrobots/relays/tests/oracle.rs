@@ -121,7 +121,7 @@ pub fn is_chain(patterns: &[String], robots: usize) -> bool {
     sorted.iter().map(count).eq(0..=robots) && sorted.windows(2).all(contains)
 }
 
-/// Section 1.5, step 0, as it stands.
+/// Step 0 of the validity algorithm in section 1.5 of the design's models, taken literally.
 pub fn breaks_limits(row: RelayRow, source: Source) -> bool {
     let gap_v = 2.0 * source.margin_v;
     row.snap_down_v - row.release_v < gap_v
