@@ -1,5 +1,6 @@
-//! Budget of checking a program. A text of a few hundred bytes can demand more work, and longer strings, than any machine
-//! has: each `let` may be ten times as long as the one before it. Programs come from strangers too, inside logs.
+//! Work budget of the checker. A program of a few hundred bytes can demand more work, and longer strings, than any
+//! machine has, because each `let` may be ten times as long as the one before it. Programs may come from strangers,
+//! inside logs.
 //!
 //! Everything that can grow is counted here; passing a limit is reported once, and the remaining values are unknown.
 
@@ -16,10 +17,10 @@ pub const MAX_WORK: u64 = 50_000_000;
 /// Greatest number of bytes of strings that a program builds and passes on.
 pub const MAX_TEXT_BYTES: u64 = 64 * 1024 * 1024;
 
-/// The deepest that lists may hold one another.
+/// Greatest nesting depth of lists.
 pub const MAX_LIST_DEPTH: usize = 64;
 
-/// Work charged for the comparison of a file of triangles or a curve.
+/// Work charged for the comparison of a mesh or a curve.
 const WORK_OF_A_SOLID: u64 = 10_000;
 
 /// Work and text used.
@@ -30,7 +31,7 @@ pub struct CheckBudget {
 }
 
 impl Checker<'_> {
-    /// Counts work; `false` once there was too much, which is reported where it came to that.
+    /// Charges work; `false` once the limit is passed, which is reported once, at the expression that passed it.
     pub fn spend(&mut self, work: u64, span: Span) -> bool {
         let before = self.budget.work;
         self.budget.work = before.saturating_add(work);
@@ -40,7 +41,8 @@ impl Checker<'_> {
         self.budget.work <= MAX_WORK
     }
 
-    /// Counts bytes of strings; `false` once there were too many, which is reported where it came to that.
+    /// Charges bytes of strings; `false` once the limit is passed, which is reported once, at the expression that
+    /// passed it.
     pub fn spend_text(&mut self, bytes: usize, span: Span) -> bool {
         let before = self.budget.text_bytes;
         self.budget.text_bytes = before.saturating_add(bytes as u64);
@@ -50,7 +52,8 @@ impl Checker<'_> {
         self.budget.text_bytes <= MAX_TEXT_BYTES
     }
 
-    /// A value handed on: strings are copied, all else that can be large is shared. Unknown where there was too much text.
+    /// A copy of a value: strings are copied and charged, everything else that can be large is shared. Unknown once the
+    /// limit of text is passed.
     pub fn handed_on(&mut self, value: &Value, span: Span) -> Value {
         match value {
             Value::Text(text) if !self.spend_text(text.len(), span) => Value::Unknown,
@@ -58,7 +61,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Whether two values are equal, wherever they were written; `None` if either is unknown, or to find out is too much work.
+    /// Whether two values are equal, regardless of their spans; `None` if either is unknown or the comparison exceeds
+    /// the work limit.
     pub fn are_equal(&mut self, a: &Value, b: &Value, span: Span) -> Option<bool> {
         let mut open = vec![(a, b)];
         while let Some((a, b)) = open.pop() {

@@ -1,12 +1,12 @@
 //! Camera frames: conversion of pixels into scene coordinates.
 //!
-//! `frame top : image { scale: 0.32 um/px } at pose(…)` places the image of a camera in a scene. Input: values of a program,
-//! with places and poses in pixels. Output: the same in lengths from the origin of the scene. Promise: this is done once, where a
-//! place or a pose of the scene or of a task in it is accepted; no later stage handles pixels.
+//! `frame top : image { scale: 0.32 um/px } at pose(…)` places the image of a camera in a scene. Input: values of a
+//! program, with places and poses in pixels. Output: the same in lengths from the origin of the scene. Promise: this is
+//! done once, where a place or a pose of the scene or of a task in it is accepted; no later stage handles pixels.
 //!
-//! In an image x counts along its rows to the right and y down its columns, as cameras and programs for images count. A heading is
-//! counter-clockwise in the image: 90 deg faces up, towards smaller y. The heading of the frame is the direction of the rows in the
-//! scene; `mirrored` means that the image shows the scene from behind.
+//! In an image x counts along its rows to the right and y down its columns, as cameras and programs for images count. A
+//! heading is counter-clockwise in the image: 90 deg faces up, towards smaller y. The heading of the frame is the
+//! direction of the rows in the scene; `mirrored` means that the image shows the scene from behind.
 
 use super::figures::Figures;
 use super::value::{PoseValue, ShapeValue, Value};
@@ -23,14 +23,14 @@ pub struct Camera {
     origin_px: [f64; 2],
     scale_um: f64,
     is_mirrored: bool,
-    /// Its name where it is declared.
+    /// Span of its name in its declaration.
     pub span: Span,
 }
 
 /// The image that places in pixels refer to, as far as known.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum View {
-    /// There is none.
+    /// There is no image.
     #[default]
     None,
     /// Its scene has errors.
@@ -41,7 +41,8 @@ pub enum View {
 }
 
 impl Camera {
-    /// The image that a shape describes, its pixel of origin at a pose; `span` is its name. `None` where its scale is not known.
+    /// The image that a shape describes, with its origin pixel at `pose`; `span` is its name. `None` where its scale is
+    /// unknown.
     pub fn new(image: &ShapeValue, pose: Pose, span: Span) -> Option<Camera> {
         let origin_px = match image.fields.get("origin").map(|field| &field.value) {
             Some(Value::Point(point)) => [point[0].si, point[1].si],
@@ -51,7 +52,7 @@ impl Camera {
         Some(Camera { pose, origin_px, scale_um, is_mirrored: image.fields.is_set("mirrored"), span })
     }
 
-    /// The scene's coordinates of a place in the image.
+    /// Scene coordinates of a place in the image.
     pub fn place_um(&self, [x_px, y_px]: [f64; 2]) -> [f64; 2] {
         let along_um = (x_px - self.origin_px[0]) * self.scale_um;
         let down_um = (y_px - self.origin_px[1]) * self.scale_um;
@@ -59,12 +60,13 @@ impl Camera {
         (self.pose.isometry() * Point2::new(along_um, across_um)).coords.into()
     }
 
-    /// A heading in the scene, from one that is counter-clockwise as the image shows it.
+    /// Heading in the scene of a heading that is counter-clockwise as the image shows it.
     pub fn heading_rad(&self, shown_rad: f64) -> f64 {
         self.pose.heading_rad + if self.is_mirrored { -shown_rad } else { shown_rad }
     }
 
-    /// A value with its places and poses in the scene's coordinates; those in lengths stay as they are.
+    /// A place or a pose in pixels, converted to the scene's coordinates; other sorts of value stay as they are. Places
+    /// in lengths must not be passed.
     pub fn seen(&self, value: &Value) -> Value {
         let place = |x: Quantity, y: Quantity| self.place_um([x.si, y.si]).map(Quantity::length_um);
         match value {

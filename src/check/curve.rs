@@ -15,9 +15,9 @@ use std::rc::Rc;
 pub const SAMPLES: usize = 1024;
 
 impl Checker<'_> {
-    /// The lengths of a curve; `None` after an error.
+    /// The sampled lengths of a curve, in micrometres; `None` after an error.
     pub fn accept_curve(&mut self, expr: &Expr, scope: &Scope, wanted: &WantedName) -> Option<Value> {
-        // Names of other sorts stand in no expression.
+        // Names of other sorts cannot occur in an expression.
         let own = self.modules[scope.module].names.get(ANGLE_NAME);
         let value =
             own.filter(|declaration| declaration.sort == DeclarationSort::Let).map(|declaration| declaration.span);

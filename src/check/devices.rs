@@ -16,29 +16,30 @@ use std::rc::Rc;
 /// A declaration with its own fields and those of its bases.
 #[derive(Debug, Clone)]
 pub(crate) struct CheckedDeclaration<R> {
-    /// Where its line of bases ends.
+    /// Root of its chain of bases.
     pub root: R,
     pub name: String,
-    /// Its name where it is declared.
+    /// Span of its name in its declaration.
     pub span: Span,
     pub fields: Accepted,
-    /// Where the value of a field was given, if a name stands in it.
+    /// Origins of the field values in which a name stands.
     pub origins: FieldOrigins,
-    /// Whether it, or one of its bases, gives a field that is not known: of what the field was meant for, the value is not that of the base.
+    /// Whether it or one of its bases gives an unknown field. The field that was meant then wrongly has the value of
+    /// the base.
     has_unknown_field: bool,
 }
 
 /// A device and its kind.
 pub(crate) type CheckedDevice = CheckedDeclaration<Kind>;
 
-/// Where values were given, by the names of their fields.
+/// Origins of values, by field name.
 pub type FieldOrigins = BTreeMap<&'static str, ValueOrigin>;
 
-/// Declarations of one sort that were checked, each `None` after an error.
+/// Checked declarations of one sort, each `None` after an error.
 pub(crate) struct CheckedDeclarations<R: RootBase> {
-    /// With all that they inherit.
+    /// Declarations with all their inherited fields.
     inherited: BTreeMap<DeclarationPlace, Option<Rc<CheckedDeclaration<R>>>>,
-    /// Of those that were asked for: one that only serves as a base may lack fields.
+    /// Facts, derived on demand: a declaration that only serves as a base may lack fields.
     pub facts: BTreeMap<DeclarationPlace, Option<R::Facts>>,
 }
 
@@ -48,16 +49,16 @@ impl<R: RootBase> CheckedDeclarations<R> {
     }
 }
 
-/// What a line of bases ends in: a device kind, a family of instruments, or a sort of outputs.
+/// Root of a chain of bases: a device kind, a family of instruments, or a sort of outputs.
 pub(crate) trait RootBase: Copy + 'static {
     type Facts: Clone;
     const SORT: DeclarationSort;
-    /// "a device of the kind".
+    /// Phrase for messages, such as "a device of the kind".
     const OF: &'static str;
     const ALL: &'static [Self];
     fn name(self) -> &'static str;
     fn fields(self) -> &'static [VocabularyField];
-    /// Declares something published to start from, if there is such: the file, and its name there.
+    /// Library file and name in it of a published declaration to start from, if there is one.
     fn library(self) -> Option<(&'static str, &'static str)>;
     fn checked<'c>(checker: &'c mut Checker<'_>) -> &'c mut CheckedDeclarations<Self>;
     /// The facts of a declaration that lacks no field; `None` after an error.
@@ -164,7 +165,8 @@ impl<R: RootBase> CheckedDeclaration<R> {
         owner(self.root, &self.name, self.span)
     }
 
-    /// Whether it has all that its kind requires and nothing unknown; what is missing is reported, unless an unknown field may be meant for it.
+    /// Whether it has all required fields and no unknown value. Missing fields are reported, unless an unknown field
+    /// may be meant for one of them.
     pub fn is_complete(&self, checker: &mut Checker) -> bool {
         if self.has_unknown_field {
             return false;
@@ -184,7 +186,7 @@ fn owner<R: RootBase>(root: R, name: &str, span: Span) -> Owner {
     Owner { name: format!("{} `{name}`", R::SORT.name()), declared }
 }
 
-/// The declaration of a device, an instrument or an output.
+/// The declaration of a device, an instrument or an output; `None` for other items.
 fn with_base(item: &Item) -> Option<&tree::Device> {
     let (Item::Device(item) | Item::Instrument(item) | Item::Output(item)) = item else { return None };
     Some(item)

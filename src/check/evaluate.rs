@@ -13,7 +13,7 @@ use crate::syntax::tree::{Expr, ExprKind, Field, Ident, Operator, Path, Table, T
 use std::borrow::Cow;
 use std::rc::Rc;
 
-/// Greatest number of elements of a list, and the widest range.
+/// Greatest number of elements of a list, and greatest width of a range.
 pub const MAX_ELEMENTS: usize = 1_000_000;
 
 impl Checker<'_> {
@@ -33,8 +33,8 @@ impl Checker<'_> {
             ExprKind::List(parts) => self.list(parts, expr.span, scope),
             ExprKind::Range { from, to } => self.range(from, to, scope),
             ExprKind::Negative(inner) => {
-                // The zero of a unit may not be that of its dimension: `-5 degC` is a little less than `0 degC`, and the sign is of the
-                // number. In brackets it is of the temperature.
+                // Some units have a zero of their own: `-5 degC` is a little less than `0 degC`, so the sign belongs to
+                // the number. In front of brackets it belongs to the temperature.
                 if let ExprKind::Quantity { number, unit } = &inner.kind
                     && inner.span.end == unit.span.end
                 {
@@ -96,7 +96,7 @@ impl Checker<'_> {
         Value::Word(ModuleWord { bits, width })
     }
 
-    /// The characters of a string, its braces filled in.
+    /// The text of a string with its braces filled in; `None` after an error.
     pub fn text(&mut self, text: &Text, span: Span, scope: &Scope) -> Option<String> {
         let mut result = String::new();
         for part in &text.parts {
@@ -153,7 +153,7 @@ impl Checker<'_> {
         Value::Unknown
     }
 
-    /// The element that the indices of a path's segment take out of a list.
+    /// The element of a list that the indices of a path's segment select.
     fn element_of(&mut self, value: Value, path: &Path, segment: usize, scope: &Scope) -> Value {
         if let Some(extra) = path.segments.get(segment + 1) {
             if value.is_unknown() {
@@ -352,7 +352,7 @@ impl Checker<'_> {
         Value::Table(Rc::new(TableValue { columns: seen, rows }))
     }
 
-    /// A table's cell: a bare number takes the unit of its column, a bare word is that word.
+    /// A table's cell: a bare number takes the unit of its column, and a bare word stands for itself.
     fn cell(&mut self, cell: &Expr, unit: Option<Unit>, header: Option<&Ident>, scope: &Scope) -> Spanned<Value> {
         let value = match (bare_number(cell), unit) {
             (Some(number), Some(unit)) => match unit.of(&number) {
@@ -380,7 +380,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Pushes an error and answers with the unknown value.
+    /// Pushes an error and returns the unknown value.
     pub fn unknown(&mut self, diagnostic: crate::diagnostic::Diagnostic) -> Value {
         self.sink.push(diagnostic);
         Value::Unknown

@@ -14,7 +14,7 @@ use crate::syntax::tree::{self, Expr, ExprKind};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// Whose fields are being read.
+/// Owner of the fields being read, for messages.
 #[derive(Debug, Clone)]
 pub struct Owner {
     /// "device `bot`".
@@ -39,7 +39,7 @@ pub struct Given<'a> {
     pub scope: Scope,
 }
 
-/// A width and a height in place of a size.
+/// A `width` and the `height` after it, given where the table has only a `size`.
 fn extents<'a>(given: &'a [Given], table: &[device::VocabularyField]) -> Option<[&'a tree::Field; 2]> {
     let has = |name: &str| table.iter().any(|entry| entry.name == name);
     let is_sized = has("size") && !has("width") && given.iter().all(|one| one.field.name.text != "size");
@@ -50,7 +50,8 @@ fn extents<'a>(given: &'a [Given], table: &[device::VocabularyField]) -> Option<
 }
 
 impl Checker<'_> {
-    /// Reads fields against their table; unknown, repeated and unfit ones are reported. Missing ones are left to the caller.
+    /// Reads fields against their table; unknown, repeated and unfit ones are reported. Missing ones are left to the
+    /// caller.
     pub fn read_fields(
         &mut self,
         owner: &Owner,
@@ -80,8 +81,8 @@ impl Checker<'_> {
         accepted
     }
 
-    /// Reports an unknown field. Returns the near one that it means and that is not given: it is read as that, so that it is the only
-    /// mistake.
+    /// Reports an unknown field. Returns the nearest known field unless that is given as well; the value is then read
+    /// as that field's, so that the misspelling is the only error.
     fn misspelt(
         &mut self,
         field: &tree::Field,
@@ -201,7 +202,7 @@ impl Checker<'_> {
         found.map(|choice| Value::Text(choice.name.to_owned()))
     }
 
-    /// The word that a bare name is, where it names no value.
+    /// The word of a bare name, unless that names a value.
     fn chosen(&self, words: &'static [device::WordChoice], expr: &Expr, scope: &Scope) -> Option<Value> {
         let ExprKind::Path(path) = &expr.kind else { return None };
         let text = path_text(path);
@@ -225,7 +226,8 @@ impl Checker<'_> {
         Some(errors::neither_count_nor_word(wanted, &names, expr.span, &text, near))
     }
 
-    /// A list of cells and of names of things in the task's scene, as it is written; `None` for what has to be evaluated first.
+    /// A list of cells and of names of objects in the task's scene, as written; `None` for an expression that must be
+    /// evaluated first.
     fn accept_sites(
         &mut self,
         noun: &'static str,
@@ -243,7 +245,7 @@ impl Checker<'_> {
                 let elements: Option<Vec<Spanned<Value>>> = elements.into_iter().collect();
                 Some(elements.map(|elements| Value::List(Rc::new(ListValue::new(elements)))))
             }
-            // One of them, where the list belongs.
+            // A single name where a list is expected.
             ExprKind::Path(path) if path.segments.len() == 1 && !self.names_value(path, scope) => {
                 if let Some(value) = self.accept_object(noun, expr, scope, wanted)
                     && let Err(wrong) = judge(Sort::Sites(noun), &value, expr.span, wanted)
@@ -301,7 +303,7 @@ impl Checker<'_> {
         Some(format!("{name}{}", texts.join("_")))
     }
 
-    /// If a value has a name, the place where it was given is more useful than the owner's declaration.
+    /// The wanted name, labelled with the origin of a named value, which is more useful than the owner's declaration.
     fn with_origin(&mut self, wanted: &WantedName, expr: &Expr, scope: &Scope) -> WantedName {
         match self.origin(expr, scope) {
             Some(origin) => WantedName { declared: Some((origin.span, origin.text)), ..wanted.clone() },
@@ -320,7 +322,7 @@ impl Checker<'_> {
             return Value::Unknown;
         }
         let missing = Self::missing(&shape.fields, shape.form.fields());
-        // A field under another name, reported by now, is most likely one that seems missing.
+        // A misnamed field, already reported, is most likely the one that seems missing.
         if !missing.is_empty() && self.sink.errors() > errors_before {
             return Value::Unknown;
         }
@@ -335,7 +337,7 @@ impl Checker<'_> {
             return Value::Unknown;
         }
         match super::shapes::impossible(&shape, span) {
-            // An outline that is too rough is followed for long before that is known.
+            // An outline that is too rough takes long to reject.
             Some(_) if shape.form.is_of_space() && !self.counts_as_outline(REFUSED_TURNS, span) => Value::Unknown,
             Some(diagnostic) => self.unknown(diagnostic),
             None => Value::Shape(shape),
@@ -352,12 +354,12 @@ const REFUSED_TURNS: usize = 10_000;
 /// Pairs of sides of a polygon that are compared in the time of one subexpression.
 const SIDES_AT_ONCE: u64 = 16;
 
-/// Whether values of a sort are places and poses of a scene, which may be read off its image.
+/// Whether values of a sort are places and poses of a scene, which may be given in pixels of its image.
 fn is_of_scene(sort: Sort) -> bool {
     matches!(sort, Sort::State | Sort::Target | Sort::Targets | Sort::Pose | Sort::Places)
 }
 
-/// `true` or `false`, if that stands there.
+/// The word `true` or `false`, if the expression is one.
 fn truth_word(expr: &Expr) -> Option<String> {
     match &expr.kind {
         ExprKind::Bool(truth) => Some(truth.to_string()),

@@ -1,14 +1,14 @@
-//! Figures of a device, a task or a shape, read from its accepted fields.
+//! Figures (numbers and words) of a device, a task or a shape, read from its accepted fields.
 //!
-//! Sorts and ranges were checked against the vocabulary before. A figure that was not given is the vocabulary's default, or `None` where
-//! it has none; no number stands for "missing".
+//! Sorts and ranges have been checked against the vocabulary. A figure that was not given is the vocabulary's default,
+//! or `None` where it has none; no number stands for "missing".
 
 use super::clock_ns;
 use super::value::{Accepted, Value, whole};
 use crate::diagnostic::Sink;
 use crate::quantity::Quantity;
 
-/// Accepted fields by the sort of figure that they hold.
+/// Access to accepted fields by the sort of figure that they hold.
 pub trait Figures {
     /// A quantity as it was written, or its default.
     fn quantity(&self, name: &str) -> Option<Quantity>;

@@ -15,15 +15,15 @@ use crate::source::{Span, Spanned};
 use crate::syntax::tree::{self, Ident, IndexedName, Path};
 use std::rc::Rc;
 
-/// The noun of a scene that places a device. It is the language's own and no kind's.
+/// The noun of a scene that places a device. It belongs to the language, not to a kind.
 pub const NOUN: &str = "frame";
 
-/// Where a device stands in a scene.
+/// Placement of a device in a scene.
 #[derive(Debug, Clone)]
 pub struct DeviceFrame {
     pub device: DeclarationPlace,
     pub pose: Pose,
-    /// The name of the device where it is placed.
+    /// Span of the device's name in the scene.
     pub span: Span,
 }
 
@@ -51,7 +51,7 @@ impl Checker<'_> {
         self.frame_pose(&value, at.span)
     }
 
-    /// The image of a scene, out of its entries; `Err` after an error, `Ok(None)` where they put none.
+    /// The camera image that a scene's entries place; `Ok(None)` if there is none, `Err` after an error.
     pub fn image(&mut self, entries: &[tree::SceneEntry], scope: &Scope) -> Result<Option<Camera>, ()> {
         let mut found: Option<Camera> = None;
         for entry in entries {
@@ -122,7 +122,7 @@ impl Checker<'_> {
                     let inside = if span.contains(element.span) { element.span } else { span };
                     let one = self.one_in_scene(element.value.clone(), inside, scope);
                     if one.is_unknown() && !element.value.is_unknown() {
-                        // The others have the same fault.
+                        // The other elements have the same fault.
                         return Value::Unknown;
                     }
                     seen.push(Spanned::new(one, element.span));

@@ -42,7 +42,8 @@ fn finite(value: Value, span: Span) -> Diagnosed<Value> {
     if is_finite { Ok(value) } else { Err(Box::new(errors::not_finite(span))) }
 }
 
-/// A sum, or a difference for `-`. Of two temperatures on the Celsius scale there is a difference, on no scale of its own, and no sum.
+/// A sum, or a difference for `-`. Two temperatures on the Celsius scale have no sum, and their difference is not on
+/// that scale.
 fn sum(symbol: &str, left: Operand, right: Operand) -> Diagnosed<Value> {
     let is_sum = symbol == "+";
     let join = |a: &Quantity, b: &Quantity| {
@@ -61,7 +62,7 @@ fn sum(symbol: &str, left: Operand, right: Operand) -> Diagnosed<Value> {
     }
 }
 
-/// Refuses an operand whose kelvins would be multiplied, where its degrees are meant.
+/// Rejects a Celsius operand: its kelvins would be multiplied where its degrees are meant.
 fn no_celsius(symbol: &str, operands: &[Operand]) -> Diagnosed<()> {
     match operands.iter().find(|(_, value)| value.is_celsius()) {
         Some((span, value)) => Err(Box::new(errors::celsius_operand(*span, symbol, value))),
@@ -148,7 +149,8 @@ fn comparison(operator: Operator, left: Operand, right: Operand) -> Diagnosed<Va
     Ok(Value::Bool(holds))
 }
 
-/// Whether an operator tests equality of two values of one sort other than quantities; such comparisons are evaluated elsewhere.
+/// Whether an operator tests equality of two values of one sort other than quantities; such comparisons are evaluated
+/// elsewhere.
 pub fn is_equality(operator: Operator, a: &Value, b: &Value) -> bool {
     matches!(operator, Operator::Equal | Operator::NotEqual)
         && std::mem::discriminant(a) == std::mem::discriminant(b)
@@ -267,7 +269,7 @@ fn pose(x: &Spanned<Value>, y: &Spanned<Value>, heading: Option<&Spanned<Value>>
     }))
 }
 
-/// Turns about z, y and z again, each about the axis as the turns before have left it.
+/// Intrinsic z-y-z Euler angles: each turn is about the axis as left by the turns before it.
 fn euler(angles: [&Spanned<Value>; 3]) -> Diagnosed<Value> {
     let mut rad = [0.0; 3];
     for (slot, angle) in rad.iter_mut().zip(angles) {
@@ -279,7 +281,7 @@ fn euler(angles: [&Spanned<Value>; 3]) -> Diagnosed<Value> {
     Ok(Value::Orientation(orientation::from_euler(rad)))
 }
 
-/// A unit quaternion; a rounding error of its length is normalised away, but no more.
+/// A unit quaternion; only a rounding error of its length is normalised away.
 fn quaternion(span: Span, parts: [&Spanned<Value>; 4]) -> Diagnosed<Value> {
     let mut numbers = [0.0; 4];
     for (slot, part) in numbers.iter_mut().zip(parts) {
@@ -310,7 +312,7 @@ mod tests {
         Some(Spanned::new(value, Span::default()))
     }
 
-    /// The scale goes with the value, not with the way in which it was written.
+    /// The scale belongs to the value, not to the way in which it was written.
     #[test]
     fn celsius_temperatures_have_differences_and_no_multiples() {
         use Operator::{Add, Divide, Multiply, Power, Subtract};

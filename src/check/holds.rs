@@ -11,13 +11,13 @@ use crate::quantity::Dimension;
 use crate::syntax::tree::{Expr, ExprKind, Phrase, Step};
 use std::collections::BTreeMap;
 
-/// How long a prompt is on the clock that nobody limits, in nanoseconds.
+/// Duration on the clock of a prompt without a limit, in nanoseconds.
 const PROMPT_NS: u64 = 1_000_000_000;
 
-/// Behind it stands the longest time.
+/// Preposition of the longest time.
 const AT_MOST: [&str; 3] = ["for", "at", "most"];
 
-/// Whether a step waits for something, and not for a time alone.
+/// Whether a step waits for an input or a person rather than for a time.
 pub fn is_hold(step: &Step) -> bool {
     match step.head.text.as_str() {
         "prompt" => true,
@@ -100,7 +100,7 @@ impl Checker<'_> {
         super::clock_ns(time, phrase.value.span, "the longest wait", self.sink).filter(|limit_ns| *limit_ns > 0)
     }
 
-    /// The input that a step names, with the instrument that reads it and its name there, if that is declared.
+    /// The input that a step names, with the instrument that reads it and its name there if the input is declared.
     fn input(&mut self, object: &Expr, scope: &Scope) -> Option<(String, Option<(String, String)>)> {
         let path = match &object.kind {
             ExprKind::Text(text) => return Some((self.text(text, object.span, scope)?, None)),
@@ -126,7 +126,7 @@ impl Checker<'_> {
         Some((format!("{name}.{input}"), Some((name, input))))
     }
 
-    /// Reports a task that waits and asks for a least time, and inputs that are outputs as well.
+    /// Reports a task that both waits for something and requires a least time, and inputs that are also outputs.
     pub fn holds_of(&mut self, jobs: &[Job], wires: &BTreeMap<String, String>, bench: &Bench) {
         for job in jobs.iter().filter(|job| !job.holds.is_empty()) {
             let spans = job.step_spans();

@@ -1,4 +1,4 @@
-//! The files of a program: its own, those it uses, those they use.
+//! Files of a program: its own, and those that it uses directly or indirectly.
 
 use super::scope::{Import, Module};
 use super::{boards, errors, meshes};
@@ -12,15 +12,15 @@ use std::sync::Arc;
 /// Greatest number of files in one program.
 pub const MAX_FILES: usize = 256;
 
-/// Why a file cannot be used, each in words that end a sentence.
+/// Reason why a file cannot be used; each text ends a sentence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FileFault {
-    /// It is not there, or cannot be read.
+    /// The file does not exist or cannot be read.
     Unread(String),
     NotText(String),
-    /// A file of triangles that would be too long as text.
+    /// A mesh file that would be too long as text.
     LongMesh(String),
-    /// A file of triangles that is no closed surface.
+    /// A mesh file that is not a closed surface.
     NoSurface(String),
 }
 
@@ -36,16 +36,16 @@ impl From<&str> for FileFault {
     }
 }
 
-/// Where used files come from: the disk, a log, a test's memory.
+/// Source of used files: the disk, a log, a test's memory.
 pub trait Library {
-    /// The text of the file that `path` names, seen from the file named `from`, with the name under which it is to be known;
-    /// two paths to one file must give one name.
+    /// Returns the name under which a file is known, and its text. `path` is relative to the file named `from`; two
+    /// paths to one file must give one name.
     ///
     /// # Errors
     /// Why it cannot be used.
     fn read(&self, from: &str, path: &str) -> Result<(String, String), FileFault>;
 
-    /// As for a program, but for a file of triangles, as text whatever its format on the disk.
+    /// As `read`, for a mesh file; the result is text whatever the format on disk.
     ///
     /// # Errors
     /// Why it cannot be used.
@@ -59,7 +59,7 @@ pub trait Library {
     }
 }
 
-/// No file beside the program.
+/// Library without any file.
 pub struct NoFiles;
 
 impl Library for NoFiles {
@@ -83,7 +83,7 @@ struct Loader<'a> {
     /// A module is `None` while the files that it uses are being read.
     modules: Vec<Option<Module>>,
     known: BTreeMap<(Origin, String), usize>,
-    /// The files of triangles and of boards, by name.
+    /// Texts of the mesh and board files, by name.
     texts: BTreeMap<String, Arc<str>>,
     /// The files being read, by name, the outermost first, with the `use` that named each.
     open: Vec<(String, Span)>,
@@ -114,8 +114,8 @@ impl Loader<'_> {
         }
     }
 
-    /// The files of triangles and of boards that shapes and devices of a file name; they become sources like any other, so that logs carry
-    /// them.
+    /// The mesh and board files that shapes and devices of a file name, by path. They become sources like any other, so
+    /// that logs carry them.
     fn named_files(&mut self, tree: &tree::Tree, from: &str) -> BTreeMap<String, Arc<str>> {
         let mut files = BTreeMap::new();
         let boards: Vec<&tree::Text> = boards::named(tree);
@@ -263,7 +263,7 @@ fn library_named(path: &str) -> Option<&str> {
     stdlib::file(name).is_some().then_some(name)
 }
 
-/// Whether a file's own name can stand before a dot.
+/// Whether a file's stem is a valid name, which can stand before a dot.
 fn is_name(stem: &str) -> bool {
     let mut characters = stem.chars();
     let begins = characters.next().is_some_and(|first| first.is_alphabetic() || first == '_');

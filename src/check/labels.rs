@@ -4,7 +4,7 @@ use super::devices::CheckedDevice;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 
-/// A place in a device with what is to be known of it.
+/// Label of a finding: a place in a device, and the label's text.
 #[derive(Debug, Clone)]
 pub struct DeviceLabel {
     place: DevicePlace,

@@ -1,4 +1,4 @@
-//! Evaluates each `let` once, dependencies first; and finds where the value of an expression was given.
+//! Evaluates each `let` once, dependencies first, and finds the origin of an expression's value.
 
 use super::scope::{Declaration, DeclarationPlace, DeclarationSort, Scope, path_text};
 use super::value::Value;
@@ -35,7 +35,7 @@ enum LetTask {
     Evaluate(DeclarationPlace),
 }
 
-/// A value with its place, and where it was given if a name stands at that place.
+/// A value with its span, and its origin if a name stands there.
 #[derive(Debug, Clone)]
 pub struct Argument {
     pub value: Value,
@@ -44,12 +44,12 @@ pub struct Argument {
 }
 
 impl Argument {
-    /// A value that stands where it was given.
+    /// A value that is written where it is used.
     pub fn plain(value: &Spanned<Value>) -> Argument {
         Argument { value: value.value.clone(), span: value.span, origin: None }
     }
 
-    /// Reports a fault of the value, if there is one, with the place where it was given; `None` then.
+    /// Reports a fault of the value, if there is one, and labels the value's origin; `None` if a fault was reported.
     pub fn unless(&self, wrong: Option<Diagnostic>, sink: &mut Sink) -> Option<()> {
         sink.unless(wrong.map(|wrong| errors::given_at(wrong, self)))
     }
@@ -72,7 +72,7 @@ impl Checker<'_> {
         value.cloned().unwrap_or(Value::Unknown)
     }
 
-    /// Evaluates a `let` and those that it needs, on a stack of its own: a chain of them may be as long as the file.
+    /// Evaluates a `let` and its dependencies with an explicit stack, since a chain of them may be as long as the file.
     fn make_out(&mut self, place: DeclarationPlace) {
         let mut tasks = vec![LetTask::Begin(place)];
         while let Some(task) = tasks.pop() {
@@ -97,7 +97,7 @@ impl Checker<'_> {
         }
     }
 
-    /// The `let`s that one names and that are not known yet.
+    /// The dependencies of a `let` that are not evaluated yet.
     fn lets_needed(&self, place: DeclarationPlace) -> Vec<DeclarationPlace> {
         let Item::Let(item) = self.item(place) else { return Vec::new() };
         let replacement = self.replaced.get(&place);
@@ -108,7 +108,7 @@ impl Checker<'_> {
         found.filter(|place| matches!(self.item(*place), Item::Let(_)) && !self.lets.contains_key(place)).collect()
     }
 
-    /// Where the names in the value of a `--set` are looked up: at the top of the program's own file.
+    /// Scope of the value of a `--set`: the top of the program's own file.
     fn top_of_settings(&self) -> Scope {
         Scope::top(0)
     }
@@ -118,7 +118,7 @@ impl Checker<'_> {
         Argument { value, span: expr.span, origin: self.origin(expr, scope) }
     }
 
-    /// Where the value of an expression was given, if a name stands in it: the value of a `let`, the element that a `for` took,
+    /// Origin of an expression's value, if a name stands in it: the value of a `let`, the element that a `for` took, or
     /// the argument of a run.
     pub fn origin(&mut self, expr: &Expr, scope: &Scope) -> Option<ValueOrigin> {
         let mut named = Vec::new();
@@ -150,7 +150,7 @@ impl Checker<'_> {
     }
 }
 
-/// The names that an expression is made of, in the order of writing.
+/// Collects the names in an expression, in the order of writing.
 pub fn paths<'e>(expr: &'e Expr, found: &mut Vec<&'e Path>) {
     match &expr.kind {
         ExprKind::Path(path) => add(path, found),

@@ -1,10 +1,10 @@
-//! Limits of one figure that exclude each other: no plan is searched for then.
+//! Limits of one outcome that exclude each other, so that no plan is searched for.
 
 use super::errors;
 use crate::claims::{Relation, Requirement};
 use crate::diagnostic::Sink;
 
-/// Whether a figure can keep all limits that a task sets to it; those that exclude each other are reported, the later at the earlier one.
+/// Whether no two limits that a task sets on one outcome exclude each other; the first pair that does is reported.
 pub fn can_be_kept(requirements: &[Requirement], sink: &mut Sink) -> bool {
     let excluded = requirements.iter().enumerate().find_map(|(nth, later)| {
         let earlier = requirements[..nth].iter().find(|earlier| exclude(earlier, later) || exclude(later, earlier));
@@ -16,8 +16,8 @@ pub fn can_be_kept(requirements: &[Requirement], sink: &mut Sink) -> bool {
     excluded.is_none()
 }
 
-/// Whether one limit is from below and another one of the same figure is from above, with no value that keeps both, by the slack with
-/// which limits are held.
+/// Whether a lower and an upper limit of the same outcome leave no value that keeps both, given the slack with which
+/// limits are held.
 fn exclude(lower: &Requirement, upper: &Requirement) -> bool {
     let least = match lower.relation {
         Relation::AtLeast | Relation::Equal => lower.limit - lower.slack(),
@@ -60,7 +60,7 @@ mod tests {
             [(AtMost, 1.0), (Less, 0.5)],
             [(Equal, 1.0), (AtMost, 1.0)],
             [(More, 1.0), (Less, 1.5)],
-            // Within the slack: 1100 ms are not quite 1.1 s.
+            // Within the slack: 1100 ms is not exactly 1.1 s.
             [(AtLeast, 1.1), (AtMost, 1.1 - 1e-15)],
             [(Equal, 1.1), (Equal, 1.1 + 1e-15)],
         ] {

@@ -1,4 +1,4 @@
-//! Bases of devices and scenes, and their bases in turn, followed without recursion.
+//! Chains of bases of devices and scenes, followed without recursion.
 
 use super::scope::DeclarationPlace;
 use super::{Checker, errors};
@@ -15,7 +15,8 @@ pub enum Base<R> {
 }
 
 impl Checker<'_> {
-    /// From `place` down to the last declaration that is not known yet, each with its base. A circle is reported once and cut.
+    /// From `place` down to the last declaration that is not known yet, each with its base. A cycle is reported once
+    /// and cut.
     pub fn lineage<R>(
         &mut self,
         place: DeclarationPlace,

@@ -1,7 +1,8 @@
-//! Which declaration each name stands for, for editors.
+//! Links from names to their declarations, for editors.
 //!
-//! A check that keeps them notes every name as it is resolved: declarations of this file and of used ones, parameters and names of loops,
-//! objects of a task's scene. What an error keeps from being checked has no link.
+//! When links are kept, the checker records every name as it resolves it: declarations of this file and of used ones,
+//! parameters and names of loops, objects of a task's scene. Names that are not checked because of an error have no
+//! link.
 
 use super::scenes::CheckedScene;
 use super::tasks::{VocabularyAction, VocabularyStep, may_repeat};
@@ -22,7 +23,7 @@ pub struct NameLink {
     pub declared: Span,
 }
 
-/// The links of a program, in order, each once, as far as they are known. Nothing is reported.
+/// The known links of a program, sorted and without duplicates. Reports nothing.
 pub fn links(program: &ProgramSource, sources: &mut Sources) -> Vec<NameLink> {
     let mut sink = Sink::default();
     let modules = imports::load(sources, program.name, program.text, program.library, &mut sink);
@@ -35,7 +36,8 @@ pub fn links(program: &ProgramSource, sources: &mut Sources) -> Vec<NameLink> {
 }
 
 impl Checker<'_> {
-    /// Notes what a name stands for, if names are kept. The angle of a curve is declared nowhere: its place is the whole expression.
+    /// Records the declaration of a name, if links are kept. The angle of a curve is not declared: its place is the
+    /// whole expression.
     pub fn note_use(&mut self, used: Span, declared: Span) {
         let is_within = declared.file == used.file && declared.range().contains(&(used.start as usize));
         if let Some(links) = self.links.as_mut().filter(|_| !is_within) {
@@ -43,7 +45,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Notes the objects of a scene that the steps of a task name.
+    /// Records the objects of a scene that the steps of a task name.
     pub fn link_objects(&mut self, steps: &[VocabularyStep], scene: Option<&CheckedScene>) {
         let (Some(_), Some(scene)) = (&self.links, scene) else { return };
         let calls = steps.iter().flat_map(|step| match &step.action {
@@ -66,7 +68,8 @@ impl Checker<'_> {
         found.into_iter().for_each(|(used, declared)| self.note_use(used, declared));
     }
 
-    /// Notes the objects of a scene that the conditions of a task name: `avoid blood in serum`, `require half.dye == 1 / 8`.
+    /// Records the objects of a scene that the conditions of a task name: `avoid blood in serum`, `require half.dye ==
+    /// 1 / 8`.
     pub fn link_conditions(&mut self, entries: &[Entry], vocabulary: &Vocabulary, scene: Option<&CheckedScene>) {
         let (Some(_), Some(scene)) = (&self.links, scene) else { return };
         let mut named = Vec::new();

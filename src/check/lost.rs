@@ -13,7 +13,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
 }
 
 impl<'s> LostWords<'s> {
-    /// Those behind the findings of the parser.
+    /// The words on the lines of the parser's errors.
     pub fn of(sources: &'s Sources, found: &Sink) -> Self {
         let mut lost: BTreeMap<FileId, BTreeSet<&str>> = BTreeMap::new();
         let unread = found.sorted().into_iter().filter(|finding| finding.is_error() && finding.code.is_of_syntax());

@@ -1,4 +1,4 @@
-//! Files of triangles: which of them a program names, and their meshes, each made once.
+//! Mesh files: finds those that a program names, and reads each once.
 
 use super::scope::Scope;
 use super::value::{MeshFile, Value};
@@ -9,10 +9,10 @@ use crate::source::Span;
 use crate::syntax::tree::{self, Expr, ExprKind, Item, SceneEntry, Text};
 use std::rc::Rc;
 
-/// The name of the field that names such a file.
+/// Field that names a mesh file.
 const FIELD: &str = "file";
 
-/// The strings of a file that name files of triangles: those after `file:` in the shapes of its values and scenes.
+/// The strings of a program file that name mesh files: those after `file:` in the shapes of its values and scenes.
 pub fn named(tree: &tree::Tree) -> Vec<&Text> {
     let mut found = Vec::new();
     for item in &tree.items {
@@ -38,7 +38,7 @@ fn in_scene<'t>(entries: &'t [SceneEntry], found: &mut Vec<&'t Text>) {
     }
 }
 
-/// Shapes stand alone, in lists and in the fields of others.
+/// Shapes occur alone, in lists and in the fields of other shapes.
 fn in_expr<'t>(expr: &'t Expr, found: &mut Vec<&'t Text>) {
     match &expr.kind {
         ExprKind::With { fields, .. } => {
@@ -85,7 +85,8 @@ impl Checker<'_> {
         self.meshes.get(&key).cloned().flatten().map(Value::Mesh)
     }
 
-    /// The module and the path of a file that a string names; `not_plain` reports what is no string without braces.
+    /// The module and the path of a file that a string names; `not_plain` reports an expression that is not a string
+    /// without braces.
     pub fn named_file(
         &mut self,
         expr: &Expr,

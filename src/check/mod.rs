@@ -1,7 +1,8 @@
-//! Names → dimensions → values → is this device possible, is this scene possible.
+//! Checker: resolves names, checks dimensions, evaluates values, and judges whether the devices and scenes are
+//! possible.
 //!
-//! Input: the files of a program as trees. Output: [`Checked`], the schedules to be built as [`Claims`]. Promise: all
-//! that is wrong is reported, each thing once; a checked program comes back exactly if no error was pushed, so later stages
+//! Input: the files of a program as trees. Output: [`Checked`], the schedules to be built as [`Claims`]. Promise: every
+//! fault is reported, each once; a checked program is returned exactly if no error was pushed, so that later stages
 //! meet no unresolved name and no bare number.
 
 mod boards;
@@ -66,7 +67,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use value::Value;
 
-/// Greatest number of repetitions of all `for`s of a program together.
+/// Greatest total number of iterations of all `for`s of a program.
 pub const MAX_REPETITIONS: usize = 1_000_000;
 
 /// Settings from the command line.
@@ -80,7 +81,8 @@ pub struct Options {
 
 /// A program as it is handed to the compiler.
 pub struct ProgramSource<'a> {
-    /// The name that outputs carry, without a folder; used files are looked up from it, and the library says what messages call it.
+    /// The name that outputs carry, without a folder. Used files are resolved relative to it; the library gives its
+    /// form in messages.
     pub name: &'a str,
     pub text: &'a str,
     pub library: &'a dyn Library,
@@ -127,7 +129,8 @@ pub fn check(sources: &mut Sources, modules: &[Module], options: &Options, sink:
 /// The longest time that one field or step may take, in nanoseconds: a little over a day.
 pub const MAX_TIME_NS: u64 = 100_000_000_000_000;
 
-/// A time as the clock counts it.
+/// A time in whole nanoseconds; `None` after an error where it is out of the clock's range. `what` names it in the
+/// message.
 fn clock_ns(time: Quantity, span: Span, what: &str, sink: &mut Sink) -> Option<u64> {
     let ns = time.in_unit("ns").round();
     let limit = Quantity::time_ns(MAX_TIME_NS);
@@ -151,9 +154,9 @@ pub enum KindFacts {
     Fingers(Arc<device::fingers::FingersFacts>),
 }
 
-/// What a kind brings to this stage, on the facts of its devices.
+/// Checks of a kind that work on the facts of one of its devices.
 trait CheckedFacts {
-    /// The names of its channels, for a message: of very many only the first and the last.
+    /// The names of its channels, for a message; of a long list only the first and the last.
     fn channel_examples(&self) -> Vec<String>;
 
     /// The names of all its channels, in their order.
@@ -161,12 +164,12 @@ trait CheckedFacts {
         self.channel_examples()
     }
 
-    /// Whether its channels are the positions of stages, and not voltages.
+    /// Whether its channels are positions of stages rather than voltages.
     fn moves_stages(&self) -> bool {
         false
     }
 
-    /// The distance from one place at which something can stand to the next, as `cells of 80 um`; `None` where things stand anywhere.
+    /// Grid pitch for a message, as `cells of 80 um`; `None` where positions are continuous.
     fn pitch(&self) -> Option<String> {
         None
     }
@@ -176,12 +179,12 @@ trait CheckedFacts {
         self.channel_examples().iter().any(|channel| channel == name)
     }
 
-    /// The channel that switches an electrode which gives its name to none, since it shares one.
+    /// The channel that switches a named electrode, if that channel bears the name of another electrode that shares it.
     fn shared_channel(&self, _name: &str) -> Option<String> {
         None
     }
 
-    /// The channels that an electrode driver has by their numbers; `None` for a kind without electrodes.
+    /// Its channels with their numbers on an electrode driver; `None` for a kind without electrodes.
     fn numbered_channels(&self) -> Option<wiring::NumberedChannels> {
         None
     }
@@ -191,30 +194,31 @@ trait CheckedFacts {
 }
 
 impl KindFacts {
-    /// The facts as their kind.
+    /// The facts as the trait that all kinds implement.
     fn asked(&self) -> &dyn CheckedFacts {
         each_kind!(KindFacts, self, facts => facts)
     }
 
-    /// The distance from one place at which something can stand to the next, as `cells of 80 um`; `None` where things stand anywhere.
+    /// Grid pitch for a message, as `cells of 80 um`; `None` where positions are continuous.
     pub fn pitch(&self) -> Option<String> {
         self.asked().pitch()
     }
 }
 
-/// What a kind brings to this stage besides.
+/// Checks of a kind that derive the facts of its devices or compare several jobs.
 trait KindChecks {
     /// The facts of a device that lacks no field; `None` after an error.
     fn facts(&self, device: &devices::CheckedDevice, sink: &mut Sink) -> Option<KindFacts>;
 
-    /// Whether the jobs of a program, in their order, say the same of where the kind's devices and their parts are.
+    /// Checks that the jobs of a program, in their order, agree on where the kind's devices and their parts are. A kind
+    /// may enter what earlier jobs leave behind into later ones.
     fn agree(&self, jobs: &mut [Job], sink: &mut Sink);
 
-    /// Warns of steps that suit neither what the instruments of the bench are set to nor what comes before them.
-    /// `idle` are the outputs that are wired to these instruments and that no step switches, each with its drive.
+    /// Warns of steps that do not suit the settings of the bench's instruments or what comes before them. `idle` are
+    /// the outputs that are wired to these instruments and that no step switches, each with its drive.
     fn suit(&self, _claims: &Claims, _idle: &[(String, Drive)], _sink: &mut Sink) {}
 
-    /// Puts those of the program's placed devices that never run in the way of the others; for kinds that have frames.
+    /// Adds the program's placed devices that never run as obstacles of the others; for kinds that have frames.
     fn beside(&self, _checker: &mut Checker, _placed: &neighbours::PlacedDevices, _jobs: &mut [Job]) {}
 }
 
@@ -233,12 +237,12 @@ pub(crate) struct Checker<'a> {
     modules: &'a [Module],
     sink: &'a mut Sink,
     lets: BTreeMap<DeclarationPlace, LetState>,
-    /// What `--set` puts in the place of the values of some `let`s.
+    /// Expressions that `--set` gives in place of the values of some `let`s.
     replaced: BTreeMap<DeclarationPlace, Rc<Expr>>,
     devices: CheckedDeclarations<Kind>,
     instruments: CheckedDeclarations<Family>,
     outputs: CheckedDeclarations<AuxiliarySort>,
-    /// Where each output that some task switches is declared.
+    /// Declarations of the outputs that tasks switch, by name.
     outputs_by_name: BTreeMap<String, DeclarationPlace>,
     scenes: BTreeMap<DeclarationPlace, Option<Rc<scenes::CheckedScene>>>,
     used: BTreeSet<DeclarationPlace>,
@@ -250,20 +254,20 @@ pub(crate) struct Checker<'a> {
     jobs: BTreeMap<DeclarationPlace, Option<Rc<Job>>>,
     /// Scenes as devices see them, each scene checked once with each device.
     judged: objects::JudgedScenes,
-    /// Files of triangles that were read, by the module and the name written there; `None` after an error.
+    /// Mesh files that were read, by the module and the path written there; `None` after an error.
     meshes: BTreeMap<(usize, String), Option<Rc<value::MeshFile>>>,
-    /// Files of boards in the same way.
+    /// Board files, with the same keys.
     boards: BTreeMap<(usize, String), Option<Rc<value::BoardFile>>>,
     repetitions: usize,
-    /// Whether a `for` repeats nothing, so that names in its body are not known to be used.
+    /// Whether some `for` has no iterations, so that names used only in its body seem unused.
     has_idle_loop: bool,
-    /// What each name stands for, where an editor asks.
+    /// Links from names to their declarations; `None` unless an editor asks for them.
     links: Option<FxHashSet<links::NameLink>>,
     budget: budget::CheckBudget,
 }
 
 impl<'a> Checker<'a> {
-    /// Everything, whatever errors there are.
+    /// Runs every check, whatever errors are found.
     fn check_all(&mut self, sources: &mut Sources, options: &Options) -> Checked {
         let overrides = settings::parse(sources, &options.settings, self.sink);
         self.apply_settings(overrides);
@@ -306,7 +310,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The declarations of the program's own file and the files beside it; the standard library is taken as it is.
+    /// The declarations of a sort in the user's files, in order; the standard library is left out.
     fn own_places(&self, sort: DeclarationSort) -> Vec<(DeclarationPlace, Declaration)> {
         let own = self.modules.iter().enumerate().filter(|(_, module)| !module.is_library());
         let mut places: Vec<(DeclarationPlace, Declaration)> = own
@@ -339,7 +343,7 @@ impl<'a> Checker<'a> {
         Declaration { sort, item: place.item, span: name.span }
     }
 
-    /// The name of a declaration and where it stands.
+    /// The name of a declaration, and where that name stands.
     fn named(&self, place: DeclarationPlace) -> (&'a str, Span) {
         scope::declared(self.item(place)).map_or(("", Span::default()), |(name, _)| (&name.text, name.span))
     }
@@ -348,7 +352,7 @@ impl<'a> Checker<'a> {
         self.used.insert(place);
     }
 
-    /// The declaration that a path names, and the path's segment that named it; without a diagnostic.
+    /// The declaration that a path names, and the index of the segment that names it; pushes no diagnostic.
     fn find(&self, path: &Path, scope: &Scope) -> Option<(DeclarationPlace, usize)> {
         let file = &self.modules[scope.module];
         let first = &path.segments[0].name.text;
@@ -362,7 +366,7 @@ impl<'a> Checker<'a> {
         Some((DeclarationPlace { module, item: declaration.item }, 1))
     }
 
-    /// Whether a path names a local or a declaration, so that it is no bare word.
+    /// Whether a path names a local or a declaration, and is therefore not a bare word.
     fn names_value(&self, path: &Path, scope: &Scope) -> bool {
         scope.local(&path.segments[0].name.text).is_some() || self.find(path, scope).is_some()
     }
@@ -400,7 +404,8 @@ impl<'a> Checker<'a> {
     /// Reports an unknown name, unless its declaration could not be read or its file could not be used, which
     /// was already reported.
     ///
-    /// Returns the declaration of this file that a misspelt device or scene means: what stands under it is checked all the same.
+    /// Returns the declaration in this file that a misspelt device or scene most likely means, so that what depends on
+    /// it is checked all the same.
     fn report_unknown(&mut self, path: &Path, scope: &Scope, sort: DeclarationSort) -> Option<DeclarationPlace> {
         let file = &self.modules[scope.module];
         let first = &path.segments[0];
@@ -418,7 +423,7 @@ impl<'a> Checker<'a> {
             Some(import) if is_alone => {
                 self.sink.push(errors::file_for_value(path.span, &first.name.text, import.span, sort));
             }
-            // What a file that cannot be used would have been called is not known.
+            // The name may be that of a file that could not be used, or of a `use` that could not be read.
             None if !is_alone && file.has_broken_use(&first.name.text) => {}
             None if !is_alone => {
                 let near = scope::nearest(&first.name.text, file.imports.keys().map(String::as_str));
@@ -428,7 +433,7 @@ impl<'a> Checker<'a> {
                 });
             }
             Some(_) | None => {
-                // A finding that is only counted needs no near name: to look for it among very many takes long.
+                // A finding that is only counted needs no near name, and the search among very many names is slow.
                 let known = if self.sink.is_full() { Vec::new() } else { self.names_in_reach(scope, sort) };
                 let text = scope::path_text(path);
                 let near = scope::in_a_used_file(&text, &known);
@@ -510,8 +515,8 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Charges the cost of curves and solids, as iterations of a loop that takes as long; `false` once there are too many, which is
-    /// reported at that place.
+    /// Charges the cost of a curve or a solid as `turns` loop iterations of equal cost; `false` once the limit is
+    /// passed, which is reported at `span`.
     fn counts_as_outline(&mut self, turns: usize, span: Span) -> bool {
         let before = self.repetitions;
         self.repetitions = before.saturating_add(turns);
@@ -521,7 +526,7 @@ impl<'a> Checker<'a> {
         self.repetitions <= MAX_REPETITIONS
     }
 
-    /// The elements that a `for` runs over; the unknown value once if they are unknown.
+    /// The elements that a `for` runs over; a single unknown value if they are unknown.
     fn elements(&mut self, over: &Expr, scope: &Scope) -> Vec<Spanned<Value>> {
         match self.evaluate(over, scope) {
             Value::Range { from, to } => {
@@ -540,7 +545,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Where a name is already declared, seen from a block.
+    /// Span of the declaration that already has a name, as seen from a block; `None` if the name is free.
     fn taken(&self, name: &str, scope: &Scope) -> Option<Span> {
         let file = &self.modules[scope.module];
         let local = scope.local(name).map(|local| local.span);

@@ -1,7 +1,7 @@
 //! Neighbours: the robots of a program that must keep apart.
 //!
-//! Promise: a device has one place in all scenes of a program, so that the relative place of any two with a place in the same
-//! scene is known.
+//! Promise: a device has one place in all scenes of a program, so that the relative place of any two with a place in
+//! the same scene is known.
 
 use super::frames::DeviceFrame;
 use super::scenes::CheckedScene;
@@ -53,7 +53,7 @@ impl Checker<'_> {
         Neighbours { shared, not_held }
     }
 
-    /// A device stands at one place in all scenes of a program.
+    /// Reports running devices whose poses differ between scenes of a program.
     fn one_place_each(
         &mut self,
         scenes: &BTreeMap<DeclarationPlace, Rc<CheckedScene>>,
@@ -83,7 +83,7 @@ impl Checker<'_> {
         several.map(|(scene, frames)| SharedScene { scene, frames }).collect()
     }
 
-    /// Devices that run together in one scene without a place for each, which is warned of.
+    /// Pairs of devices that run together in one scene without a frame for each; warns of every pair.
     fn not_held(&mut self, timeline: &Timeline, sites: &[RunSite], shared: &[SharedScene]) -> Vec<[String; 2]> {
         let mut pairs: BTreeMap<[DeclarationPlace; 2], [Span; 2]> = BTreeMap::new();
         concurrent(timeline, sites, &mut |one, other| {
@@ -106,10 +106,11 @@ impl Checker<'_> {
     }
 }
 
-/// A run of each device in each scene.
+/// One run of each device in each scene, as an index of the sites.
 type Firsts = BTreeMap<(DeclarationPlace, Option<DeclarationPlace>), usize>;
 
-/// Calls `each` with runs in two branches of one `together`: one for each device and scene. Returns those of the whole part.
+/// Calls `each` with pairs of runs in different branches of one `together`, one run for each device and scene. Returns
+/// such runs of the whole part.
 fn concurrent(timeline: &Timeline, sites: &[RunSite], each: &mut impl FnMut(usize, usize)) -> Firsts {
     match timeline {
         Timeline::Run(job) => Firsts::from([((sites[*job].device, sites[*job].scene), *job)]),

@@ -14,11 +14,12 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// Scenes by the scene and the device that meets it, each in the type of the device's kind.
+/// Judged scenes by (scene, device), each in the type of the device's kind.
 pub type JudgedScenes = BTreeMap<(DeclarationPlace, DeclarationPlace), Rc<dyn Any>>;
 
 impl Checker<'_> {
-    /// The scene of a task as its device meets it, judged once with each device; `judge` gets `None` where the task has no scene.
+    /// The scene of a task as its device meets it, judged once with each device; `judge` gets `None` where the task has
+    /// no scene.
     pub fn scene_met<S: 'static>(
         &mut self,
         site: &TaskSite,
@@ -36,7 +37,7 @@ impl Checker<'_> {
     }
 }
 
-/// What is wrong with an object that a kind has no noun for.
+/// Diagnostic for an object whose noun the kind lacks.
 pub fn of_other_kind(object: &SceneObject, vocabulary: &Vocabulary) -> Diagnostic {
     let known: Vec<&str> = vocabulary.nouns.iter().map(|noun| noun.name).collect();
     errors::noun_of_other_kind(object.noun_span, &object.noun, vocabulary.name, &known)
@@ -45,18 +46,18 @@ pub fn of_other_kind(object: &SceneObject, vocabulary: &Vocabulary) -> Diagnosti
 /// The parts or robots of a scene, by the names that steps use.
 #[derive(Debug, Clone, Default)]
 pub struct ObjectNames {
-    /// Each with its index if nothing is wrong with it.
+    /// Indices by name; `None` for a faulty object.
     indices: BTreeMap<String, Option<usize>>,
-    /// Objects that no step can name in their place, each with its noun.
+    /// Objects of other nouns, which no step can name here, each with its noun and its span.
     others: BTreeMap<String, (&'static str, Span)>,
     /// Names that the device knows, of objects that the scene may lack.
     known: BTreeSet<String>,
-    /// Whether it was reported that the task has no scene, which is one mistake however many names it has.
+    /// Whether the task's lack of a scene was reported, which is one mistake however many names it has.
     lacks_scene: Cell<bool>,
 }
 
 impl ObjectNames {
-    /// Enters names that the device knows: where the scene lacks such an object, no other is meant.
+    /// Enters names that the device knows: where the scene lacks such an object, no similar name is suggested.
     pub fn know<'n>(&mut self, names: impl IntoIterator<Item = &'n str>) {
         self.known.extend(names.into_iter().map(str::to_owned));
     }
@@ -66,24 +67,25 @@ impl ObjectNames {
         self.indices.insert(name.to_owned(), index);
     }
 
-    /// Enters an object of another noun, which no step can name in their place.
+    /// Enters an object of another noun, which no step can name here.
     pub fn insert_other(&mut self, name: &str, noun: &'static str, span: Span) {
         self.others.insert(name.to_owned(), (noun, span));
     }
 
-    /// Whether an object of this name is declared, and something is wrong with it, which was reported.
+    /// Whether an object of this name is declared but faulty, which was reported.
     pub fn is_faulty(&self, name: &str) -> bool {
         matches!(self.indices.get(name), Some(None))
     }
 
-    /// Whether something is wrong with one of the objects, which was reported.
+    /// Whether one of the objects is faulty, which was reported.
     pub fn has_faulty(&self) -> bool {
         self.indices.values().any(Option::is_none)
     }
 
-    /// The index of the object that an argument names; `None` after an error, be it one of the argument or of the object.
+    /// The index of the object that an argument names; `None` after an error in the argument or the object.
     ///
-    /// `scene` is where the task's scene is declared; a scene that was cut for its size knows none of its names, and says so alone.
+    /// `scene` is where the task's scene is declared. `is_whole` is false for a scene that was cut for its size: none
+    /// of its names is known, and only the cut is reported.
     pub fn index(&self, argument: &Argument, scene: Option<Span>, is_whole: bool, sink: &mut Sink) -> Option<usize> {
         let Value::Object(object) = &argument.value else { return None };
         if let Some(known) = self.indices.get(&object.name) {

@@ -1,16 +1,16 @@
-//! Orientations in space: from what a program says of them to unit quaternions.
+//! Orientations in space: from Euler angles and quaternions in a program to unit quaternions.
 //!
-//! A turn is about an axis of what is turned, so that turns in their order multiply from the left to the right.
+//! A turn is about an axis of the turned body (intrinsic), so that successive turns multiply from left to right.
 
 use crate::device::shape::Plane;
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
-/// How far from 1 the length of a quaternion may be.
+/// Greatest deviation of a quaternion's length from 1.
 pub const NORM_SLACK: f64 = 1e-3;
 
 pub type Orientation = UnitQuaternion<f64>;
 
-/// The quaternion of turns about z, y and z.
+/// The quaternion of intrinsic turns about z, y and z, in radians.
 pub fn from_euler([a, b, c]: [f64; 3]) -> [f64; 4] {
     let [y, z] = [Plane::Xz, Plane::Xy].map(Plane::normal);
     written(&(about(z, a) * about(y, b) * about(z, c)))
@@ -21,16 +21,16 @@ pub fn unit(numbers: [f64; 4]) -> [f64; 4] {
     written(&read(numbers))
 }
 
-/// An orientation of the numbers w, x, y, z.
+/// The orientation of a quaternion w, x, y, z.
 pub fn read([w, x, y, z]: [f64; 4]) -> Orientation {
     UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
 }
 
-/// As claims hold it: w, x, y, z with w not negative.
+/// The quaternion w, x, y, z as claims hold it, with w not negative.
 pub fn written(orientation: &Orientation) -> [f64; 4] {
     let q = orientation.quaternion();
     let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
-    // Adding zero takes the sign from a zero.
+    // Adding zero turns -0 into 0.
     [q.w, q.i, q.j, q.k].map(|number| sign * number + 0.0)
 }
 

@@ -36,7 +36,7 @@ impl Checker<'_> {
         Some(AuxiliaryOutput { high_v, low_v: 0.0, rest_v, pulse_ns, is_graded: false })
     }
 
-    /// `pulse camera`: the output's name, and what happens to it.
+    /// Reads `pulse camera`: the output's name and action; `None` after an error.
     pub fn pulse(&mut self, step: &Step, scope: &Scope) -> Option<(String, AuxiliaryAction)> {
         let whole = step.noun.is_none() && step.phrases.is_empty() && step.block.is_none();
         let Some(ExprKind::Path(path)) = step.object.as_ref().filter(|_| whole).map(|object| &object.kind) else {
@@ -54,7 +54,7 @@ impl Checker<'_> {
         Some((self.enlist_output(place)?, AuxiliaryAction::Pulse))
     }
 
-    /// `set light to high`: the output's name, and what happens to it.
+    /// Reads `set light to high`: the output's name and action; `None` after an error.
     pub fn level(&mut self, step: &Step, scope: &Scope) -> Option<(String, AuxiliaryAction)> {
         let whole = step.noun.is_none() && step.block.is_none();
         let object = step.object.as_ref().filter(|_| whole).map(|object| &object.kind);
@@ -69,7 +69,7 @@ impl Checker<'_> {
         };
         let place = self.resolve(path, scope, DeclarationSort::Output);
         let Some((place, facts)) = place.and_then(|place| Some((place, self.facts::<AuxiliarySort>(place)?))) else {
-            // What the level of an output with errors may be is not known.
+            // The sort of level that an output with errors takes is unknown.
             if level_word(&phrase.value).is_none() {
                 self.evaluate(&phrase.value, scope);
             }
@@ -105,7 +105,8 @@ impl Checker<'_> {
         Some((self.enlist_output(place)?, action))
     }
 
-    /// Notes that an output is switched, and returns its name; `None` after an error, if another one has it.
+    /// Records that an output is switched, and returns its name; `None` after an error, if another output has the same
+    /// name.
     fn enlist_output(&mut self, place: DeclarationPlace) -> Option<String> {
         let (name, declared) = self.named(place);
         let first = *self.outputs_by_name.entry(name.to_owned()).or_insert(place);
@@ -117,7 +118,7 @@ impl Checker<'_> {
         Some(name.to_owned())
     }
 
-    /// The outputs that some jobs switch: their facts, and where each is declared.
+    /// The outputs that the jobs switch, by name, each with its facts and its declaration.
     pub fn outputs_of(&self, jobs: &[Job]) -> BTreeMap<String, (AuxiliaryOutput, DeclarationPlace)> {
         let names: BTreeSet<&String> = jobs.iter().flat_map(|job| &job.events).map(|event| &event.output).collect();
         let known = |name: &String| {
@@ -127,8 +128,8 @@ impl Checker<'_> {
         names.into_iter().filter_map(known).collect()
     }
 
-    /// The outputs of the user's files that rest at a voltage and are wired to instruments of a bench: whoever plays these must keep it up,
-    /// though no step says so.
+    /// The outputs of the user's files that rest at a voltage and are wired to instruments of a bench: whoever plays
+    /// the schedule must hold that voltage, though no step switches it.
     pub fn resting_outputs(
         &self,
         wiring: &Wiring,
@@ -152,13 +153,13 @@ impl Checker<'_> {
     }
 }
 
-/// The level that a bare word means for an output of two.
+/// The level of a bare word, for an output with two levels.
 fn level_word(expr: &Expr) -> Option<Level> {
     let ExprKind::Path(path) = &expr.kind else { return None };
     Level::find(&super::scope::path_text(path))
 }
 
-/// The voltage at a share of the way from one to another.
+/// The voltage at a share of the way between two voltages.
 fn between([low_v, high_v]: [f64; 2], share: f64) -> f64 {
     (low_v + (high_v - low_v) * share).clamp(low_v.min(high_v), low_v.max(high_v))
 }

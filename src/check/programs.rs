@@ -26,10 +26,10 @@ pub const MAX_STEPS: usize = 1_000_000;
 /// Greatest nesting of programs.
 pub const MAX_PROGRAM_DEPTH: usize = 64;
 
-/// A schedule in the making.
+/// Schedule under construction.
 #[derive(Default)]
 struct Draft {
-    /// As many as `runs`, if the draft is whole.
+    /// One for each of `runs` if the draft is whole.
     jobs: Vec<Job>,
     /// Each run of a task.
     runs: Vec<RunSite>,
@@ -39,9 +39,9 @@ struct Draft {
     trail: Vec<Span>,
     /// For each run of a task, the `run`s that led to it and its own.
     trails: Vec<Vec<Span>>,
-    /// Runs and waits counted.
+    /// Number of runs and waits so far.
     parts: usize,
-    /// Steps of tasks counted.
+    /// Number of steps of tasks so far.
     steps: usize,
     state: DraftState,
 }
@@ -62,7 +62,8 @@ impl Draft {
         self.state = self.state.max(state);
     }
 
-    /// Where two runs of tasks are written; if that is one line of a program that is run twice, where that is run.
+    /// Where two runs of tasks are written; if both are one line of a program that is run twice, the `run`s that lead
+    /// to each.
     fn told_apart(&self, first: usize, second: usize) -> [Span; 2] {
         let spans = [first, second].map(|run| self.runs[run].span);
         let [one, other] = [first, second].map(|run| self.trails.get(run).into_iter().flatten().copied());
@@ -74,7 +75,7 @@ impl Draft {
 }
 
 impl<'a> Checker<'a> {
-    /// The claims of every schedule to be built. All that a build without `--task` would make is checked in any case.
+    /// The claims of every schedule to be built. Everything that a build without `--task` makes is checked in any case.
     pub fn schedules(&mut self, only: Option<&str>, wiring: &Wiring) -> Vec<Claims> {
         let chosen = only.map(|name| self.root_named(name));
         let mut roots = self.roots();
@@ -91,7 +92,7 @@ impl<'a> Checker<'a> {
     fn roots(&mut self) -> Vec<DeclarationPlace> {
         let programs = self.roots_of(DeclarationSort::Program);
         let roots = if programs.is_empty() { self.roots_of(DeclarationSort::Task) } else { programs };
-        // Of two things of one name only the first is declared.
+        // Of two items with one name only the first is declared, so items are searched here.
         let declares_runs =
             self.modules[0].tree.items.iter().any(|item| matches!(item, Item::Task(_) | Item::Program(_)));
         if roots.is_empty() && !declares_runs && !self.modules[0].has_broken_parts() {
@@ -412,7 +413,7 @@ impl<'a> Checker<'a> {
         Some(values)
     }
 
-    /// `go(goal: cell)`.
+    /// Signature for messages, as `go(goal: cell)`.
     fn call_form(&self, place: DeclarationPlace) -> String {
         let (name, _) = self.named(place);
         let parameters = self.parameters(place);
@@ -467,7 +468,8 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// A device in two runs at a time is an error at both places. Each device with a run of it, by its index.
+    /// Reports devices in two runs at a time, at both places. Returns each device of the part with the index of one of
+    /// its runs.
     fn one_thing_at_a_time(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<DeclarationPlace, usize> {
         match timeline {
             Timeline::Run(run) => BTreeMap::from([(draft.runs[*run].device, *run)]),
@@ -516,7 +518,7 @@ enum ParameterSort {
     Place,
     Pose,
     Word,
-    /// Something of the task's scene, by its noun.
+    /// An object of the task's scene, by its noun.
     Object(&'static str),
 }
 

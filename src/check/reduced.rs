@@ -1,7 +1,7 @@
-//! A program without what is at fault, so that the rest can be checked, planned and shown.
+//! Reduced program: the parts at fault are left out, so that the rest can be checked, planned and shown.
 //!
-//! Of a task, a setting at fault is left out alone, a step with all steps after it; of a scene, the object at fault. Settings and names
-//! stay where they are: the places of what remains are those of the whole program.
+//! In a task, a setting at fault is left out alone, and a step at fault with all steps after it; in a scene, the object
+//! at fault is left out. What remains keeps its place in the source.
 
 use super::scope::Module;
 use super::tasks::is_setting;
@@ -13,16 +13,16 @@ use crate::syntax::tree::{Entry, Expr, ExprKind, Item, Object, SceneEntry, Step,
 /// Greatest number of places of one program that are marked.
 const MAX_PLACES: usize = 100;
 
-/// What was left out of a program.
+/// Parts left out of a program.
 #[derive(Debug, Default)]
 pub struct LeftOut {
-    /// The names of the tasks that lack something now, where they are declared.
+    /// Names, where declared, of the tasks that lack something now.
     pub tasks: Vec<Span>,
-    /// The places in the scene that the parts at fault are about, as far as they are written in numbers.
+    /// Places in the scene that the parts at fault name, if written as numbers.
     pub places: Vec<WrittenPlace>,
 }
 
-/// Leaves out of the user's own files what `faults` point to.
+/// Leaves out of the user's files the parts that `faults` point to.
 pub fn leave_out(modules: &mut [Module], faults: &[Span]) -> LeftOut {
     let mut left_out = LeftOut::default();
     for module in modules.iter_mut().filter(|module| !module.is_library()) {
@@ -64,7 +64,7 @@ fn of_task(task: &mut Task, faults: &[Span], left_out: &mut LeftOut) {
     left_out.places[known..].iter_mut().for_each(|place| place.device.clone_from(&device));
     for fault in own {
         let Some(at) = at_fault(&task.entries, fault) else {
-            // In its head, unless it was in an entry that is left out already.
+            // The fault is in the task's head, unless its entry is left out already.
             if task.entries.first().is_some_and(|first| fault.end <= span_of(first).start) {
                 cut(task, first_step(task), left_out);
             }
@@ -79,7 +79,7 @@ fn of_task(task: &mut Task, faults: &[Span], left_out: &mut LeftOut) {
     }
 }
 
-/// The index of the first entry that is no setting.
+/// The index of the first entry that is not a setting.
 fn first_step(task: &Task) -> usize {
     task.entries.iter().position(is_step).unwrap_or(task.entries.len())
 }
@@ -123,7 +123,7 @@ fn of_scene(entries: &mut Vec<SceneEntry>, faults: &[Span], left_out: &mut LeftO
     });
 }
 
-/// The places that an entry names within a fault, or round it.
+/// Collects the places in an entry that lie within a fault or contain it.
 fn places_in(entry: &Entry, fault: Span, places: &mut Vec<WrittenPlace>) {
     match entry {
         Entry::Step(step) => places_in_step(step, fault, places),
@@ -138,7 +138,8 @@ fn places_in_step(step: &Step, fault: Span, places: &mut Vec<WrittenPlace>) {
     step.block.iter().flatten().for_each(|entry| places_in(entry, fault, places));
 }
 
-/// The places within a value that lie in a fault, or in which it lies; of a whole step (or without one, an object), all.
+/// Collects the places in a value that lie within a fault or contain it; all of them if the fault covers the whole
+/// step, or if there is no step but an object.
 fn places_of(value: &Expr, step: Option<Span>, fault: Span, places: &mut Vec<WrittenPlace>) {
     let is_about =
         |span: Span| fault.contains(span) || span.contains(fault) || step.is_none_or(|step| fault.contains(step));
@@ -168,7 +169,7 @@ fn places_of(value: &Expr, step: Option<Span>, fault: Span, places: &mut Vec<Wri
     }
 }
 
-/// A number without a unit, or a length in micrometres, as far as it is written and not computed.
+/// A number without a unit, or a length in micrometres, if it is written out rather than computed.
 fn written(value: &Expr) -> Option<(f64, PlaceUnit)> {
     match &value.kind {
         ExprKind::Number(digits) => Some((digits.parse().ok()?, PlaceUnit::Cells)),

@@ -1,4 +1,4 @@
-//! Rows of whole numbers, as the channels of a board: a list of lists with the word `none` where nothing is.
+//! Rows of whole numbers, as the channels of a board: a list of lists with the word `none` at empty places.
 
 use super::Checker;
 use super::errors::{self, WantedName};
@@ -11,7 +11,7 @@ use crate::source::{Span, Spanned};
 use crate::syntax::tree::{Expr, ExprKind};
 use std::rc::Rc;
 
-/// What is expected, and an example of it, for messages.
+/// Expected form and an example of it, for messages.
 #[derive(Clone, Copy)]
 struct ListForm {
     what: &'static str,
@@ -22,8 +22,8 @@ const ROWS: ListForm = ListForm { what: "a list for each row", example: "[[4, 5,
 const TABLES: ListForm = ListForm { what: "a list of lists of lists", example: "[[[3], [3, 2], [0, 9]]]" };
 
 impl Checker<'_> {
-    /// A list of rows, each a list of [`Value::Quantity`]s and, at empty places, the text [`NONE`]; `None` after an error. The rows are
-    /// written out; each may be a range or the name of a list.
+    /// A list of rows, each a list of [`Value::Quantity`]s and, at empty places, the text [`NONE`]; `None` after an
+    /// error. The rows are written out; each may be a range or the name of a list.
     pub fn accept_rows(&mut self, most: u32, expr: &Expr, scope: &Scope, wanted: &WantedName) -> Option<Value> {
         self.rows(most, expr, scope, wanted, ROWS)
     }
@@ -82,13 +82,13 @@ impl Checker<'_> {
         }
     }
 
-    /// The word for an empty place, where it names no value.
+    /// The word for an empty place, unless it names a value.
     fn empty_place(&self, expr: &Expr, scope: &Scope) -> Option<Value> {
         let ExprKind::Path(path) = &expr.kind else { return None };
         (path_text(path) == NONE && !self.names_value(path, scope)).then(|| Value::Text(NONE.to_owned()))
     }
 
-    /// Reports what stands in the place of rows.
+    /// Reports a value that stands in place of rows.
     fn no_rows<T>(&mut self, found: &Value, span: Span, wanted: &WantedName, form: ListForm) -> Option<T> {
         if !found.is_unknown() {
             self.sink.push(errors::wrong_value(wanted, form.what, form.example, span, found));

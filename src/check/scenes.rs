@@ -17,7 +17,7 @@ use std::rc::Rc;
 /// Longest chain of bases of a scene.
 pub const MAX_BASES: usize = 32;
 
-/// Something that stands in a scene.
+/// Object of a scene.
 #[derive(Debug, Clone)]
 pub struct SceneObject {
     pub name: String,
@@ -25,9 +25,9 @@ pub struct SceneObject {
     pub noun_span: Span,
     pub shape: Option<Spanned<ShapeValue>>,
     pub at: Option<Spanned<Value>>,
-    /// Where the value of `at` was given, if a name stands there.
+    /// Origin of the value of `at`, if a name stands there.
     pub origin: Option<ValueOrigin>,
-    /// Its name where it is declared.
+    /// Span of its name in its declaration.
     pub span: Span,
 }
 
@@ -35,7 +35,7 @@ pub struct SceneObject {
 #[derive(Debug, Clone, Default)]
 pub struct CheckedScene {
     pub objects: Vec<Rc<SceneObject>>,
-    /// Where devices stand, by device.
+    /// Placements of devices, by device.
     pub frames: BTreeMap<DeclarationPlace, DeviceFrame>,
     /// Placement of the image for places in pixels, if there is one.
     pub camera: Option<Camera>,
@@ -68,7 +68,7 @@ struct Collected {
     is_whole: bool,
 }
 
-/// Where an object of a scene comes from.
+/// Layer that an object of a scene comes from.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum SceneLayer {
     Base,
@@ -98,7 +98,8 @@ impl Checker<'_> {
         self.scenes.get(&place).cloned().flatten()
     }
 
-    /// The view that a task has of its scene.
+    /// The view that a task has of its scene; `None` for a task without one, `Some(None)` for a scene that was not
+    /// found.
     pub fn view_of(&mut self, scene: Option<Option<DeclarationPlace>>) -> View {
         match scene {
             None => View::None,
@@ -115,7 +116,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Puts a scene's own objects to those of its base.
+    /// Adds a scene's own objects to those of its base; `None` after an error.
     fn furnish(&mut self, place: DeclarationPlace, base: Option<Rc<CheckedScene>>) -> Option<CheckedScene> {
         let Item::Scene(item) = self.item(place) else { return None };
         let depth = item.base.as_ref().and(base.as_ref()).map_or(0, |base| base.depth + 1);
@@ -139,7 +140,8 @@ impl Checker<'_> {
         is_whole.then_some(CheckedScene { objects: collected.objects, frames, camera: camera.ok().flatten(), depth })
     }
 
-    /// An object stands in all of its scene, so no loop variable of the scene may have its name.
+    /// Reports loop variables of a scene with the name of one of its objects: an object's name holds in the whole
+    /// scene.
     fn variables_apart(&mut self, entries: &[SceneEntry], collected: &Collected) {
         for entry in entries {
             let SceneEntry::For(each) = entry else { continue };
@@ -279,7 +281,7 @@ impl Checker<'_> {
     }
 }
 
-/// Whether an entry puts an image into its scene, which is done before all others.
+/// Whether an entry places a camera image, which is read before all other entries.
 fn is_image(object: &tree::Object) -> bool {
     object.noun.text == frames::NOUN && object.shape.is_some()
 }

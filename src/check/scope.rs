@@ -1,4 +1,4 @@
-//! Meaning of a name in its place: the files of a program, their declarations, and the names of a block.
+//! Name resolution: the files of a program, their declarations, and the local names of a block.
 
 use super::camera::View;
 use super::errors;
@@ -11,7 +11,7 @@ use crate::syntax::tree::{self, Ident, Item, SceneEntry, Tree};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The words that stand where a verb may, whatever the kind.
+/// Words that may begin a step in place of a verb, for all kinds.
 pub const STEP_WORDS: [&str; 10] =
     ["wait", "prompt", "pulse", "set", "together", "assay", "minimize", "using", "require", "start"];
 
@@ -22,10 +22,10 @@ pub const ANGLE_NAME: &str = "t";
 #[derive(Debug)]
 pub struct Module {
     pub tree: Tree,
-    /// The files behind `dimibot.` and `lab.`: their index, and where the `use` stands.
+    /// Used files by alias, such as `dimibot` and `lab`.
     pub imports: BTreeMap<String, Import>,
     pub names: BTreeMap<String, Declaration>,
-    /// The texts of the files of triangles and of boards that its shapes and devices name, by the names written there.
+    /// Texts of the mesh and board files that its shapes and devices name, by the path written there.
     pub named_files: BTreeMap<String, Arc<str>>,
     origin: Origin,
 }
@@ -42,9 +42,9 @@ pub struct Import {
 #[derive(Debug, Clone, Copy)]
 pub struct Declaration {
     pub sort: DeclarationSort,
-    /// Index of the file's items.
+    /// Index among the file's items.
     pub item: usize,
-    /// The name where it is declared.
+    /// Span of the name in its declaration.
     pub span: Span,
 }
 
@@ -61,7 +61,7 @@ pub enum DeclarationSort {
 }
 
 impl DeclarationSort {
-    /// Without an article.
+    /// Noun without an article.
     pub fn name(self) -> &'static str {
         match self {
             DeclarationSort::Let => "value",
@@ -74,7 +74,7 @@ impl DeclarationSort {
         }
     }
 
-    /// With its article.
+    /// Noun with its article.
     pub fn describe(self) -> &'static str {
         match self {
             DeclarationSort::Let => "a value",
@@ -88,7 +88,7 @@ impl DeclarationSort {
     }
 }
 
-/// A declaration and the file it stands in.
+/// Key of a declaration: its file and its index among the file's items.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct DeclarationPlace {
     pub module: usize,
@@ -125,10 +125,11 @@ impl Module {
         self.tree.items.iter().any(|item| matches!(item, Item::Error(_)))
     }
 
-    /// Whether a file that could not be used, or a `use` that could not be read, may be behind a name.
+    /// Whether a file that could not be used, or a `use` that could not be read, may have declared an alias that seems
+    /// missing.
     pub fn has_broken_use(&self, name: &str) -> bool {
         let is_library = crate::stdlib::file(name).is_some();
-        // Of a `use` that ends with `as` the name is not known.
+        // The alias of a `use` that breaks off at `as` is unknown.
         let may_be_read = is_library || self.is_broken(name) || self.is_broken("as");
         self.imports.values().any(|import| import.module.is_none()) || (may_be_read && self.has_broken_parts())
     }
@@ -148,7 +149,7 @@ impl Module {
         })
     }
 
-    /// The name that a file of the library was given by `as`, and where.
+    /// The alias that `as` gives to a file of the standard library, and where.
     pub fn used_as(&self, name: &str) -> Option<(&str, Span)> {
         self.tree.items.iter().find_map(|item| {
             let Item::Use(tree::Use { path: tree::UsePath::Library { words, .. }, alias: Some(alias), .. }) = item
@@ -179,7 +180,7 @@ pub fn declared(item: &Item) -> Option<(&Ident, DeclarationSort)> {
     }
 }
 
-/// The use for which the language reserves a name, if it does.
+/// What the language reserves a name for, if it does.
 pub fn keeper(name: &str) -> Option<&'static str> {
     if Kind::find(name).is_some() {
         return Some("a device kind");
@@ -194,7 +195,7 @@ pub fn keeper(name: &str) -> Option<&'static str> {
     outcome.then_some("an outcome that `require` compares")
 }
 
-/// Where an expression stands: its module and the names of its block.
+/// Scope of an expression: its module and the local names of its block.
 #[derive(Debug, Clone)]
 pub struct Scope {
     pub module: usize,
@@ -239,7 +240,7 @@ impl Scope {
         self.locals.iter().map(|local| local.name.as_str())
     }
 
-    /// Runs `inside` with one more local, and takes it away again.
+    /// Runs `inside` with one more local, which is removed afterwards.
     pub fn with<T>(&mut self, name: &Ident, value: Spanned<Value>, inside: impl FnOnce(&mut Scope) -> T) -> T {
         self.push(name, value);
         let result = inside(self);
@@ -254,13 +255,15 @@ impl Scope {
     }
 }
 
-/// The one known name of a used file that ends with a name, as `dimibot.femto_st` with `femto_st`.
+/// The only known qualified name that ends with a name, as `dimibot.femto_st` with `femto_st`; `None` if there are
+/// several.
 pub fn in_a_used_file<'a>(name: &str, known: &'a [String]) -> Option<&'a str> {
     let mut ends = known.iter().filter(|known| known.rsplit_once('.').is_some_and(|(_, last)| last == name));
     ends.next().filter(|_| ends.next().is_none()).map(String::as_str)
 }
 
-/// A longer name has no near one: it is no slip of the pen, and the cost of comparing is quadratic in its length.
+/// Greatest length of a name for which a near one is searched: a longer one is no typing slip, and the cost of
+/// comparing is quadratic in its length.
 const MAX_NEAR_CHARACTERS: usize = 60;
 
 /// Greatest number of candidates that are compared.

@@ -43,7 +43,7 @@ impl Checker<'_> {
                 self.sink.push(errors::bad_setting(Some(span), &setting.name, "is given twice", "give it once"));
             }
         }
-        // What was evaluated may depend on what is replaced now, and so may one replacement on another.
+        // Values evaluated so far may depend on a replaced value, and replacements on each other.
         self.lets.clear();
         let (exprs, declared): (BTreeMap<_, _>, Vec<_>) = declared
             .into_iter()
@@ -52,7 +52,7 @@ impl Checker<'_> {
         self.replaced = exprs;
         for (place, name, own) in declared {
             if self.fits_declared(place, &name, &own).is_none() {
-                // What is wrong with it has been said: its own value serves.
+                // The fault is already reported; the declaration's own value is used.
                 self.replaced.remove(&place);
                 self.lets.clear();
             }
@@ -79,7 +79,7 @@ impl Checker<'_> {
         None
     }
 
-    /// `None` after an error: a replacement is of another sort or dimension than the declaration's own value.
+    /// Checks that a replacement is of the sort and dimension of the declaration's own value; `None` after an error.
     fn fits_declared(&mut self, place: DeclarationPlace, name: &str, declared: &Value) -> Option<()> {
         let span = self.declaration(place).span;
         let value = self.value_of_let(place, span);

@@ -1,4 +1,4 @@
-//! From the shapes of the language to the shapes of the plane.
+//! Conversion of the language's shapes to shapes of the plane.
 
 use super::errors;
 use super::solid;
@@ -92,7 +92,7 @@ fn corners_um(shape: &ShapeValue) -> Vec<[f64; 2]> {
     }
 }
 
-/// A place in micrometres; the point must be one of two lengths.
+/// A place in micrometres; the point must have two lengths.
 pub fn point_um(point: &[Quantity]) -> [f64; 2] {
     [point[0].in_unit("um"), point[1].in_unit("um")]
 }
@@ -115,7 +115,7 @@ pub fn in_plane(shape: &ShapeValue) -> Option<Shape> {
 /// Greatest heading with a known direction: a million turns, where a double is rounded by less than 1e-7 deg.
 pub const MAX_HEADING_RAD: f64 = 1e6 * TAU;
 
-/// Where something stands: `None` where the value is neither a place nor a pose.
+/// Pose of an object; `None` where the value is neither a place nor a pose in lengths.
 pub fn pose_of(at: &Value) -> Option<Pose> {
     let pose = match at {
         Value::Pose(pose) if pose.x.dimension == Dimension::LENGTH => *pose,

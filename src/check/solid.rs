@@ -1,4 +1,4 @@
-//! From the shapes of the language to outlines in the planes of a part, and to the known properties of its inside.
+//! Conversion of the language's shapes to outlines in the planes of a part and to its known mass properties.
 
 use super::errors;
 use crate::check::value::{ShapeValue, Value};
@@ -12,7 +12,7 @@ use crate::source::Span;
 use std::f64::consts::PI;
 use std::rc::Rc;
 
-/// A shape as a hand uses it.
+/// Solid of a part as a hand uses it.
 #[derive(Debug, Clone)]
 pub struct HandSolid {
     pub xy: Outline,
@@ -20,29 +20,30 @@ pub struct HandSolid {
     pub xz: Option<Outline>,
     /// Its volume, where it is known, in cubic micrometres.
     pub volume_um3: Option<f64>,
-    /// Its centre of mass; `None` where its outlines do not tell.
+    /// Its centre of mass; `None` where its outlines do not determine it.
     pub centre_um: Option<[f64; 3]>,
     /// Its greatest distance from its origin, as far as known.
     pub reach_um: f64,
     pub density_kg_per_m3: Option<f64>,
-    /// Its surface, where the sections alone do not decide whether tips run into it.
+    /// Its surface, where the sections alone do not decide whether tips collide with it.
     pub surface: Option<Rc<Mesh>>,
 }
 
-/// Greatest relative deviation of a section from a rectangle as which it is treated.
+/// Greatest relative deviation of a section from the rectangle that it is treated as.
 const SAME_SHARE: f64 = 1e-6;
 
-/// Greatest distance of a centre of mass from the origin that is rounding, as a share of the reach of the outline.
+/// Greatest distance of a centre of mass from the origin that counts as rounding, as a share of the outline's reach.
 const ROUNDING_SHARE: f64 = 1e-9;
 
-/// Greatest distance of the centre of an outline from the origin, as a share of its reach, with which it counts as centred: the corners of
-/// an outline are often rounded to three digits.
+/// Greatest distance of an outline's centre from the origin at which it counts as centred, as a share of its reach: the
+/// corners of an outline are often rounded to three digits.
 const CENTRED_SHARE: f64 = 1e-3;
 
-/// The radius of the corners of a rectangle of a mesh, as a share of half its lesser width: a tip stands in them by 0.2 % of that.
+/// Corner radius of a mesh's rectangular section, as a share of half its lesser width: a tip there penetrates the true
+/// corner by 0.2 % of that half.
 const CORNER_SHARE: f64 = 0.005;
 
-/// The solid of a shape that hands know; `span` is the whole shape.
+/// The solid of a shape that hands can handle; `span` is the whole shape.
 ///
 /// # Errors
 /// Why it is impossible.
@@ -96,10 +97,10 @@ pub fn of(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
     Ok(HandSolid { density_kg_per_m3: density, centre_um, ..solid })
 }
 
-/// The centre of mass of a flat part, which is equally thick everywhere: that of the area in its outline.
+/// The centre of mass of a flat part of uniform thickness: the centroid of its outline.
 fn of_flat_um(outline: &Curve) -> [f64; 3] {
     let [x, y] = outline.centre_um();
-    // Of a symmetrical outline it is the origin but for rounding.
+    // For a symmetrical outline it is the origin but for rounding.
     if is_centred(outline, ROUNDING_SHARE) { [0.0; 3] } else { [x, y, 0.0] }
 }
 
@@ -109,7 +110,8 @@ fn is_centred(outline: &Curve, share: f64) -> bool {
     x.hypotenuse(y) <= share * outline.reach_um()
 }
 
-/// The centre of mass of a solid of two sections: as stated, or the origin if both have their centre there.
+/// The centre of mass of a solid of two sections: as stated, or the origin if both sections are centred there, else
+/// `None`.
 ///
 /// # Errors
 /// The stated one is outside of the part.
@@ -284,8 +286,8 @@ fn mesh(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
     })
 }
 
-/// The outline of a section that is an upright rectangle round the origin: smoothing would make waves of its sides. `None` for other sections,
-/// and where the x axis leaves it near a corner.
+/// The outline of a section that is an axis-aligned rectangle around the origin: smoothing would make its sides wavy.
+/// `None` for other sections, and where the x axis leaves it near a corner.
 fn rectangle(polygon: &[[f64; 2]]) -> Option<Outline> {
     let ends = [0, 1].map(|axis: usize| {
         let places = || polygon.iter().map(|point| point[axis]);
@@ -294,7 +296,7 @@ fn rectangle(polygon: &[[f64; 2]]) -> Option<Outline> {
     let half_um = ends.map(|[low, high]| (high - low) / 2.0);
     let least_um = half_um[0].min(half_um[1]);
     let (slack_um, radius_um) = (SAME_SHARE * least_um, (CORNER_SHARE * least_um).max(MIN_UM));
-    // Figures of a file are rounded: a section that is centred but for that is centred.
+    // Numbers in a file are rounded: a section whose centre is off by no more than that is centred.
     let centre_um = ends.map(|[low, high]| (low + high) / 2.0).map(|at| if at.abs() <= slack_um { 0.0 } else { at });
     let off_um = |point: &[f64; 2], axis: usize| ((point[axis] - centre_um[axis]).abs() - half_um[axis]).abs();
     if !polygon.iter().all(|point| off_um(point, 0) <= slack_um || off_um(point, 1) <= slack_um) {
@@ -333,7 +335,7 @@ fn outline_error(fault: &OutlineError, at: &dyn Fn(String) -> Box<Diagnostic>) -
     })
 }
 
-/// Two profiles, that of the plane xz written by x and z.
+/// A solid of two profiles; the one in the plane xz is written by x and z.
 fn sections(shape: &ShapeValue, span: Span) -> Diagnosed<HandSolid> {
     let plane = |name: &str, plane: Plane| match shape.fields.get(name) {
         Some(field) => match &field.value {

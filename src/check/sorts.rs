@@ -1,4 +1,4 @@
-//! Whether a value is of the sort that a field or an argument takes.
+//! Checks values against the sorts that fields and arguments take.
 
 use super::errors::{self, WantedName};
 use super::scope::nearest;
@@ -8,10 +8,11 @@ use crate::quantity::{Dimension, digits};
 use crate::source::{Span, Spanned};
 use std::ops::RangeInclusive;
 
-/// Sizes of the quantities of devices and steps, in SI units: products of a few of them stay within the range of numbers.
+/// Allowed magnitudes of the quantities of devices and steps, in SI units: products of a few of them stay within the
+/// range of a double.
 const SIZES_SI: RangeInclusive<f64> = 1e-40..=1e40;
 
-/// Whether a value is of a sort.
+/// Checks that a value is of a sort; the error is a diagnostic at `span` or at the faulty element.
 pub fn judge(
     sort: Sort,
     value: &Value,
@@ -90,14 +91,14 @@ pub fn judge(
     }
 }
 
-/// What has not a width and a height.
+/// Diagnostic for a value that is not a width and a height.
 fn not_a_size(value: &Value, span: Span, wanted: &WantedName) -> Box<crate::diagnostic::Diagnostic> {
     let wrong = errors::wrong_value(wanted, "a width and a height", "(4 um, 0.5 um)", span, value);
     let is_in_space = matches!(value, Value::Point(sizes) if sizes.len() == 3);
     Box::new(if is_in_space { wrong.help("a body of three sizes is a `rounded_box`") } else { wrong })
 }
 
-/// Whether a value is a list of values of a sort; else it says what it should be.
+/// Checks that a value is a list of values of a sort; `what` describes such a list in the message.
 fn judge_list(
     of: Sort,
     what: &str,
@@ -111,7 +112,7 @@ fn judge_list(
     }
 }
 
-/// Whether all elements of a list are of a sort.
+/// Checks that all known elements of a list are of a sort.
 fn judge_each(
     sort: Sort,
     list: &[Spanned<Value>],
@@ -121,7 +122,7 @@ fn judge_each(
     known.into_iter().try_for_each(|element| judge(sort, &element.value, element.span, wanted))
 }
 
-/// Whether a table has the required columns, at least one row, and in each cell a value of its column's sort.
+/// Checks that a table has the required columns, at least one row, and in each cell a value of its column's sort.
 fn judge_table(
     columns: &'static [device::VocabularyField],
     table: &TableValue,

@@ -26,9 +26,9 @@ pub struct TaskRun {
     pub span: Span,
 }
 
-/// A task's body, checked as far as the vocabulary goes.
+/// A task's body, checked against its kind's vocabulary.
 pub struct Parts {
-    /// What `minimize` names, with the place of the step.
+    /// Objective that `minimize` names, with the place of the step.
     pub objective: Option<Spanned<&'static str>>,
     /// The planner that the task names.
     pub planner: Option<Spanned<&'static device::Planner>>,
@@ -37,14 +37,14 @@ pub struct Parts {
     pub start: Option<Argument>,
     pub settings: Accepted,
     pub requirements: Vec<Requirement>,
-    /// What droplets must contain.
+    /// Required contents of droplets.
     pub contents: Vec<ContentRequirement>,
     /// The kind's own conditions.
     pub conditions: Vec<Call>,
     pub steps: Vec<VocabularyStep>,
-    /// What its steps do to auxiliary outputs.
+    /// Switching of auxiliary outputs.
     pub events: Vec<AuxiliaryEvent>,
-    /// Where they wait for an input or a person.
+    /// Waits for an input or a person.
     pub holds: Vec<Hold>,
     /// Whether nothing was left out because of errors.
     pub is_whole: bool,
@@ -57,7 +57,7 @@ impl Parts {
     }
 }
 
-/// `require sample.dye == 1/8`, as far as it is known without a scene.
+/// `require sample.dye == 1/8`, before its names are looked up in a scene.
 pub struct ContentRequirement {
     /// The name of the droplet, and where it stands.
     pub part: Spanned<String>,
@@ -103,20 +103,20 @@ struct TaskReading<'a> {
 }
 
 impl TaskReading<'_> {
-    /// Notes what a step does to an output. To the device it is a wait of no duration.
+    /// Records the switching of an output. For the device it is a wait of no duration.
     fn switched(&mut self, output: String, action: AuxiliaryAction) -> VocabularyAction {
         self.parts.events.push(AuxiliaryEvent { step: self.parts.steps.len(), output, action });
         VocabularyAction::Wait(0)
     }
 
-    /// Notes a wait for an input or a person. To the device it is the longest one.
+    /// Records a wait for an input or a person. For the device it is a wait of the longest time.
     fn held(&mut self, terms: HoldTerms) -> VocabularyAction {
         self.parts.holds.push(Hold { step: self.parts.steps.len(), terms: terms.clone() });
         VocabularyAction::Wait(terms.duration_ns)
     }
 }
 
-/// Whether a step of a task is a setting of it, which comes before all that is done.
+/// Whether a step of a task is a setting; settings come before everything that is done.
 pub fn is_setting(step: &tree::Step) -> bool {
     let head = step.head.text.as_str();
     matches!(head, "minimize" | "using" | "require")
@@ -124,7 +124,7 @@ pub fn is_setting(step: &tree::Step) -> bool {
         || device::condition_of_any_kind(head).is_some()
 }
 
-/// Whether a setting may be given several times, also in a `for`: one that is a condition.
+/// Whether a setting may be given several times, also in a `for`; conditions may.
 pub fn may_repeat(head: &Ident, vocabulary: &Vocabulary) -> bool {
     head.text == "require" || vocabulary.condition(&head.text).is_some()
 }
@@ -159,7 +159,7 @@ impl<'a> Checker<'a> {
         let place = place?;
         let device = self.inherited::<Kind>(place)?;
         scope.view = self.view_of(scene);
-        // The words are checked even if the device's own figures are unknown.
+        // The task's words are checked even if the device's own figures are unknown.
         let mut parts = self.parts(item, device.root.vocabulary(), scope);
         let is_whole = parts.is_whole && super::limits::can_be_kept(&parts.requirements, self.sink);
         let requirements = std::mem::take(&mut parts.requirements);
@@ -235,7 +235,7 @@ impl<'a> Checker<'a> {
 
     fn entry(&mut self, step: &'a tree::Step, scope: &Scope, reading: &mut TaskReading<'a>) {
         if is_setting(step) {
-            // A second one is a mistake wherever it stands.
+            // A repeated setting is a mistake wherever it stands.
             if may_repeat(&step.head, reading.vocabulary) || !reading.seen.contains_key(&step.head.text) {
                 self.settings_come_first(&step.head, reading);
             }
@@ -251,7 +251,7 @@ impl<'a> Checker<'a> {
     fn settings_come_first(&mut self, name: &tree::Ident, reading: &TaskReading) {
         match reading.parts.steps.first() {
             Some(first) => self.sink.push(errors::setting_after_step(name, first.span)),
-            // What droplets contain is asked of many at once.
+            // Conditions and requirements may be set for many objects at once.
             None if reading.nesting == Nesting::Loop && !may_repeat(name, reading.vocabulary) => {
                 self.sink.push(errors::setting_in_loop(name));
             }
@@ -290,7 +290,7 @@ impl<'a> Checker<'a> {
                 let condition = reading.vocabulary.condition(word);
                 let call = match condition {
                     Some(condition) => self.verb_call(step, scope, condition),
-                    // It is one of other kinds, which is reported.
+                    // A condition of another kind is reported.
                     None => self.verb(step, scope, reading.vocabulary),
                 };
                 match call {
@@ -404,7 +404,7 @@ impl<'a> Checker<'a> {
         Some(Requirement { outcome: name.to_owned(), relation, limit: limit.si, span: expr.span })
     }
 
-    /// What a droplet must contain, in droplets or as a share of it.
+    /// Required content of a droplet: a share of it, or a volume in droplets.
     fn content(&mut self, step: &tree::Step, sides: &ContentSides, scope: &Scope) -> Option<ContentRequirement> {
         let expr = self.only_object(step, "sample.dye == 1/8")?;
         let [part, share] = sides.path.segments.as_slice() else { return None };
@@ -423,7 +423,7 @@ impl<'a> Checker<'a> {
         Some(ContentRequirement { part, share, relation: sides.relation, limit: limit.si, span: expr.span })
     }
 
-    /// A bare word that names no value is meant as an outcome.
+    /// The outcome that a bare word means, unless it names a value.
     fn outcome_name<'e>(&self, expr: &'e Expr, scope: &Scope) -> Option<(&'e str, Span)> {
         let ExprKind::Path(path) = &expr.kind else { return None };
         let name = path.segments[0].name.text.as_str();
@@ -489,7 +489,7 @@ impl<'a> Checker<'a> {
         is_whole.then_some(calls)
     }
 
-    /// The verbs of a block; and whether nothing was left out because of errors.
+    /// Collects the verbs of a block; `false` if any was left out because of an error.
     fn calls(
         &mut self,
         entries: &[Entry],
@@ -545,7 +545,7 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// Whether a word begins a step or a setting that is no goal.
+/// Whether a word begins a step or a setting that is not a goal.
 fn is_no_goal(word: &str) -> bool {
     word == "run" || STEP_WORDS.contains(&word) || device::condition_of_any_kind(word).is_some()
 }
@@ -557,7 +557,7 @@ struct ContentSides<'e> {
     limit: &'e Expr,
 }
 
-/// `sample.dye == 1/8`, or the other way round, for a device that has assays.
+/// The sides of `sample.dye == 1/8` or `1/8 == sample.dye`, for a device that has assays.
 fn content_sides<'e>(step: &'e tree::Step, vocabulary: &Vocabulary) -> Option<ContentSides<'e>> {
     let Some(Expr { kind: ExprKind::Binary { left, operator, right, .. }, .. }) = &step.object else { return None };
     let relation = relation(*operator).filter(|_| vocabulary.assay == device::Assay::Yes)?;

@@ -4,10 +4,10 @@ use super::scope::{DeclarationPlace, DeclarationSort};
 use super::{Checker, errors};
 
 impl Checker<'_> {
-    /// Warns of unused names of the program's own file; other files are there to be used by several.
+    /// Warns of unused names of the program's own file; other files may be shared by several programs.
     ///
-    /// Next to an error they would mislead: an unreadable part may well use the name, and so may the body of a loop that was never
-    /// entered. A file that builds nothing is there to be used as well.
+    /// After an error the warnings would mislead: an unreadable part may use the name, and so may the body of a loop
+    /// that was never entered. A file that builds nothing is itself a file to be used.
     pub fn warn_of_unused(&mut self) {
         let module = &self.modules[0];
         let builds = self.declares(DeclarationSort::Task) || self.declares(DeclarationSort::Program);

@@ -27,7 +27,7 @@ pub enum Value {
     },
     /// A unit quaternion w, x, y, z.
     Orientation([f64; 4]),
-    /// Lengths in micrometres at equal steps of the angle `t`, which goes once round.
+    /// Lengths in micrometres at equal steps of the angle `t` over a full turn.
     Curve(Rc<Vec<f64>>),
     Mesh(Rc<MeshFile>),
     Board(Rc<BoardFile>),
@@ -68,7 +68,7 @@ pub struct ObjectName {
     pub word: Span,
 }
 
-/// A file of triangles, in the file's own unit.
+/// Mesh from a file, in the file's own unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshFile {
     /// The path as written in the program.
@@ -88,18 +88,18 @@ pub struct BoardFile {
     pub left_out: LeftOut,
 }
 
-/// Electrodes of a file that are no cells of the board, by their names, in the order of the file.
+/// Names of the electrodes of a file that are not cells of the board, in the order of the file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LeftOut {
     /// On one channel with others, some of which are off the lattice.
     pub sharing: Vec<String>,
-    /// At places of the lattice from which there is no way to the others.
+    /// At places of the lattice that are disconnected from the others.
     pub cut_off: Vec<String>,
     /// Of another size than most, between the places of the others, or away from all of them.
     pub off_lattice: Vec<String>,
 }
 
-/// Values in their order, which may be lists themselves.
+/// Values in order; elements may be lists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ListValue {
     elements: Vec<Spanned<Value>>,
@@ -139,12 +139,12 @@ pub struct Accepted {
 }
 
 impl Accepted {
-    /// No field of a table.
+    /// Fields of a table, none of them given.
     pub fn new(table: &'static [VocabularyField]) -> Self {
         Accepted { table, given: BTreeMap::new() }
     }
 
-    /// The figure that applies where a field is left out, if the table has one.
+    /// Default of a field that is left out, if the table has one.
     pub fn default_of(&self, name: &str) -> Option<Quantity> {
         match self.table.iter().find(|field| field.name == name)?.need {
             Need::Default(figure) => Some(figure.quantity()),
@@ -253,7 +253,7 @@ impl Value {
         }
     }
 
-    /// Whether nothing is known of it.
+    /// Whether it is unknown.
     pub fn is_unknown(&self) -> bool {
         matches!(self, Value::Unknown)
     }
@@ -273,10 +273,10 @@ fn describe_point(coordinates: &[Quantity]) -> String {
 /// The largest whole number that a double counts exactly.
 const MAX_WHOLE: f64 = 9_007_199_254_740_992.0;
 
-/// What quotients and sums may be off by rounding, as a share of them or of 1.
+/// Rounding tolerance of quotients and sums, relative to their size or to 1, whichever is greater.
 const ROUNDING: f64 = 1e-12;
 
-/// The whole number that a quantity is, if it is a plain one; but for rounding, as `0.3 / 0.1` is 3.
+/// The whole number that a plain number is but for rounding, as `0.3 / 0.1` is 3; `None` otherwise.
 pub fn whole(quantity: Quantity) -> Option<i64> {
     let nearest = quantity.si.round();
     let is_near = (quantity.si - nearest).abs() <= ROUNDING * nearest.abs().max(1.0);

@@ -1,4 +1,4 @@
-//! Verbs: their nouns, objects, prepositions and braces, in the words of the kind.
+//! Verbs with their nouns, objects, prepositions and braces, checked against the kind's vocabulary.
 
 use super::Checker;
 use super::errors::{self, WantedName};
@@ -50,7 +50,7 @@ impl Checker<'_> {
         self.verb_call(step, scope, verb)
     }
 
-    /// What a verb, or a condition of a task, is asked with; `None` after an error.
+    /// Reads the use of a verb or of a task's condition; `None` after an error.
     pub fn verb_call(&mut self, step: &tree::Step, scope: &Scope, verb: &'static device::Verb) -> Option<Call> {
         self.noun(step, verb)?;
         let entries = self.braces(step, verb, scope);
@@ -64,7 +64,7 @@ impl Checker<'_> {
         Some(Call { verb, object: object?, phrases: phrases?, entries: entries?, span: step.span })
     }
 
-    /// The word before the object is the verb's own; `None` after an error.
+    /// Checks that the noun before the object is the verb's own; `None` after an error.
     fn noun(&mut self, step: &tree::Step, verb: &'static device::Verb) -> Option<()> {
         match (&step.noun, verb.noun) {
             (None, None) => return Some(()),
@@ -107,7 +107,7 @@ impl Checker<'_> {
         }
     }
 
-    /// The entries of a verb's braces; and whether nothing was left out because of errors.
+    /// Collects the entries of a verb's braces into `found`; `false` if any was left out because of an error.
     fn entered(
         &mut self,
         entries: &[Entry],
@@ -200,7 +200,8 @@ impl Checker<'_> {
         }
     }
 
-    /// The preposition that `move m1 (5, 3)` lacks, and where: what looks like a function call is an object and its place.
+    /// The preposition that `move m1 (5, 3)` lacks, and where: what parses as a function call is an object and its
+    /// place.
     fn without_preposition(
         &self,
         expr: &Expr,
@@ -245,7 +246,7 @@ impl Checker<'_> {
                 None => is_whole = false,
             }
         }
-        // An object where there should be none stands for the missing phrase, as a wrong phrase does, and was already reported.
+        // An object where none belongs stands for the missing phrase, as a wrong phrase does, and was already reported.
         let lacks_preposition =
             step.object.as_ref().is_some_and(|expr| self.without_preposition(expr, verb, scope).is_some());
         let is_reported = !is_whole || (step.object.is_some() && verb.object.is_none()) || lacks_preposition;
@@ -262,7 +263,7 @@ impl Checker<'_> {
     }
 }
 
-/// Whether a value is a plain number or one with a unit, as it is written.
+/// Whether an expression is a literal number, with or without a unit.
 fn is_amount(value: &Expr) -> bool {
     match &value.kind {
         ExprKind::Number(_) | ExprKind::Quantity { .. } => true,
@@ -271,7 +272,7 @@ fn is_amount(value: &Expr) -> bool {
     }
 }
 
-/// The preposition that a value without one most likely lacks: of those that take such values the first that is needed.
+/// The preposition that a value without one most likely lacks: the first required one of those that take such values.
 fn preposition_before(is_amount: bool, verb: &'static device::Verb) -> Option<&'static str> {
     let fits = |phrase: &&device::VocabularyPhrase| {
         matches!(phrase.sort, device::Sort::Quantity { .. } | device::Sort::Count { .. }) == is_amount

@@ -1,36 +1,40 @@
 //! The lattice on which most electrodes of a drawing lie.
 //!
-//! The pitch is the median of the distances from each electrode to the nearest one that does not lie over it. Two electrodes are neighbours if one lies a pitch beside or above the other,
-//! within a share of it; the largest set that hangs together is the board. Places are counted from neighbour to neighbour, so that an error
-//! of the pitch does not grow. Cost grows with the square of the number of electrodes.
+//! The pitch is the median of the distances from each electrode to the nearest one that does not lie over it; other
+//! distances are tried while no connected set has more than half of the electrodes. Two electrodes are neighbours if
+//! one lies a pitch beside or above the other, within a share of it; the largest connected set is the board. Places are
+//! counted from neighbour to neighbour, so that an error of the pitch does not accumulate. Cost grows with the square
+//! of the number of electrodes.
 
 use super::DrawnElectrode;
 use crate::check::value::{BoardFile, LeftOut};
 use crate::device::BoardLimits;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// How far an electrode may lie off its place, in pitches: teeth of electrodes that reach into each other move their middles.
+/// Greatest offset of an electrode's centre from its place, in pitches: interdigitated electrodes have shifted centres.
 const OFF_PLACE: f64 = 0.2;
 
-/// The least and the greatest side of an electrode of the lattice, in pitches.
+/// Least and greatest side of an electrode of the lattice, in pitches.
 const SIDES: [f64; 2] = [0.5, 1.3];
 
-/// How much the sides of an electrode of the lattice that is cut off from the others may differ from theirs, as a share.
+/// Greatest relative difference between the sides of an electrode that is on the lattice but cut off and those of the
+/// nearest connected one.
 const OTHER_SIDES: f64 = 0.25;
 
-/// An electrode whose middle is nearer than this to that of another one, in sides of that one, lies over it.
+/// Overlap threshold: an electrode whose centre is nearer than this to that of another one, in sides of that one, lies
+/// over it.
 const OVER: f64 = 0.7;
 
-/// Distances that are tried as that of the lattice.
+/// Greatest number of distances tried as the pitch.
 const MOST_SPACINGS: usize = 4;
 
-/// Turns after which every shared channel is left out.
+/// Rounds after which every shared channel is left out.
 const MOST_TURNS: usize = 8;
 
-/// A column and a row, downwards, counted from an electrode.
+/// A column and a row, downwards, relative to one electrode.
 type LatticePlace = [i64; 2];
 
-/// Electrodes that hang together, by their index, and the distance from one to the next; 0 for one alone.
+/// Connected electrodes by index, and their pitch; 0 for one alone.
 struct Lattice {
     places: BTreeMap<usize, LatticePlace>,
     spacing: f64,
@@ -38,8 +42,7 @@ struct Lattice {
 
 /// The board of a drawing.
 ///
-/// # Errors
-/// Why it is none, as the rest of a sentence.
+/// Why the drawing is not a board, as the rest of a sentence.
 pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLimits) -> Result<BoardFile, String> {
     let BoardLimits { most_side, .. } = limits;
     let (Lattice { places, spacing }, sharing) =
@@ -69,8 +72,9 @@ pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLi
     Ok(BoardFile { path: path.to_owned(), columns, rows, channels, left_out })
 }
 
-/// The places of the electrodes whose channels switch none off the lattice, and the shared channels that do: what those electrodes pull
-/// is not known. Each turn leaves out some more channels.
+/// The lattice of the electrodes whose channels switch none off it, and the shared channels that do, which are left
+/// out: the pull of their electrodes off the lattice is unknown. Each round leaves out some more channels; `None` if no
+/// electrode is left on a lattice.
 fn whole_channels(electrodes: &[DrawnElectrode]) -> Option<(Lattice, BTreeSet<u32>)> {
     let mut uses: BTreeMap<u32, u32> = BTreeMap::new();
     electrodes.iter().for_each(|electrode| *uses.entry(electrode.channel).or_default() += 1);
@@ -95,7 +99,7 @@ fn whole_channels(electrodes: &[DrawnElectrode]) -> Option<(Lattice, BTreeSet<u3
     None
 }
 
-/// The largest set of electrodes that hang together; `None` without an electrode that has bounds.
+/// The largest connected set of electrodes; `None` if no electrode has bounds that fit a lattice.
 fn lattice(electrodes: &[DrawnElectrode]) -> Option<Lattice> {
     let drawn = electrodes.iter().enumerate().filter_map(|(index, electrode)| Some((index, electrode.bounds?)));
     let drawn: Vec<(usize, [f64; 4])> = drawn.collect();
@@ -117,7 +121,7 @@ fn lattice(electrodes: &[DrawnElectrode]) -> Option<Lattice> {
     (!best.places.is_empty()).then_some(best)
 }
 
-/// The places of the largest set of electrodes that hang together at a distance, by their index.
+/// The places of the largest set of electrodes connected at a given pitch, by index.
 fn places(drawn: &[(usize, [f64; 4])], spacing: f64) -> BTreeMap<usize, LatticePlace> {
     let mut open: BTreeMap<usize, [f64; 2]> = drawn
         .iter()
@@ -136,7 +140,7 @@ fn places(drawn: &[(usize, [f64; 4])], spacing: f64) -> BTreeMap<usize, LatticeP
     largest
 }
 
-/// The electrodes on free places of the lattice, to which no droplet comes from the others, by their index.
+/// The electrodes on free places of the lattice that no droplet reaches from the others, by index.
 fn cut_off(electrodes: &[DrawnElectrode], places: &BTreeMap<usize, LatticePlace>, spacing: f64) -> BTreeSet<usize> {
     let placed: Vec<([f64; 4], LatticePlace)> =
         places.iter().filter_map(|(index, place)| Some((electrodes.get(*index)?.bounds?, *place))).collect();
@@ -148,7 +152,7 @@ fn cut_off(electrodes: &[DrawnElectrode], places: &BTreeMap<usize, LatticePlace>
             [(x - from_x) / spacing, (y - from_y) / spacing]
         };
         let far = |other: [f64; 4]| steps_to(other).map(|step| step * step).iter().sum::<f64>();
-        // Counted from the nearest, so that an error of the pitch stays small.
+        // Counted from the nearest electrode, so that an error of the pitch stays small.
         let Some((near, [column, row])) = placed.iter().min_by(|a, b| far(a.0).total_cmp(&far(b.0))) else {
             return false;
         };
@@ -163,7 +167,7 @@ fn cut_off(electrodes: &[DrawnElectrode], places: &BTreeMap<usize, LatticePlace>
     others.filter(|(_, electrode)| electrode.bounds.is_some_and(is_cut_off)).map(|(index, _)| index).collect()
 }
 
-/// The electrodes that can be reached from one, each with its place; they are taken from those that are open.
+/// The electrodes connected to a first one, each with its place, by breadth-first search; they are removed from `open`.
 fn hanging_together(
     first: (usize, [f64; 2]),
     open: &mut BTreeMap<usize, [f64; 2]>,
@@ -200,8 +204,8 @@ fn sides([left, top, right, bottom]: [f64; 4]) -> [f64; 2] {
     [right - left, bottom - top]
 }
 
-/// Distances that may be those of a lattice, the likeliest first: the median of those from each electrode to the nearest beside, above or
-/// below it that does not lie over it, then the others from the least.
+/// Candidates for the pitch, the likeliest first: the median of the distances from each electrode to the nearest one
+/// beside, above or below it that does not lie over it, then the other distances in ascending order.
 fn spacings(drawn: &[(usize, [f64; 4])]) -> Vec<f64> {
     let nearest = |(index, bounds): &(usize, [f64; 4])| {
         let (at, own) = (middle(*bounds), sides(*bounds));

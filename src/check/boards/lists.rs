@@ -4,7 +4,7 @@ use super::{DrawnElectrode, MAX_ELECTRODES};
 use crate::device::BoardLimits;
 use serde::Deserialize;
 
-/// A board definition of PurpleDrop: one grid of pins, or several with a pitch each, and what lies beside them.
+/// A board definition of PurpleDrop: one grid of pins, or several with a pitch each, and the peripherals beside them.
 #[derive(Deserialize)]
 struct PurpledropFile {
     layout: PurpledropLayout,
@@ -19,13 +19,13 @@ struct PurpledropLayout {
     peripherals: Vec<Peripheral>,
 }
 
-/// Rows from the top, with a pin or nothing at each place.
+/// Rows from the top, with a pin or nothing in each column.
 type PinGrid = Vec<Vec<Option<u32>>>;
 
 #[derive(Deserialize)]
 struct PitchedGrid {
     origin: [f64; 2],
-    /// From one place to the next.
+    /// Pitch of the grid.
     #[serde(rename = "pitch")]
     spacing: f64,
     pins: PinGrid,
@@ -48,7 +48,7 @@ struct PeripheralElectrode {
     pin: u32,
 }
 
-/// An electrode of OpenDrop's program: its left and upper rim, its width and height, and its channel.
+/// An electrode of OpenDrop's program: its left and top edge, its width and height, and its channel.
 #[derive(Deserialize)]
 struct OpendropElectrode {
     x: f64,
@@ -83,7 +83,7 @@ pub(super) fn read(text: &str, BoardLimits { most_channel, .. }: BoardLimits) ->
     Ok(electrodes)
 }
 
-/// What a reader of JSON calls types, and what people do.
+/// Type names in errors of the JSON reader, each with a wording for users.
 const EXPECTED: [(&str, &str); 9] = [
     ("expected u32", "expected a whole number from 0"),
     ("expected f64", "expected a number"),
@@ -96,7 +96,7 @@ const EXPECTED: [(&str, &str); 9] = [
     ("expected struct Peripheral", "expected an object with `electrodes`"),
 ];
 
-/// What is wrong with a text, with its place.
+/// Fault of a text, with its line and column.
 fn fault(error: &serde_json::Error, what: &str) -> String {
     let text = error.to_string();
     let why = text.rsplit_once(" at line ").map_or(text.as_str(), |(why, _)| why);
@@ -104,11 +104,11 @@ fn fault(error: &serde_json::Error, what: &str) -> String {
     format!("is not {what}, line {}, column {}: {why}", error.line(), error.column())
 }
 
-/// The same text with a blank for each comma behind which a list or an object ends: files of OpenDrop's program have such.
+/// The same text with a blank for each trailing comma of a list or an object, as files of OpenDrop's program have them.
 fn without_last_commas(text: &str) -> String {
     let mut kept = String::with_capacity(text.len());
     let (mut is_quoted, mut is_escaped) = (false, false);
-    // Blanks behind a comma that may be the last of its list.
+    // Blanks after a comma that may be a trailing one.
     let mut held: Option<String> = None;
     for c in text.chars() {
         if let Some(blanks) = &mut held {
@@ -150,7 +150,7 @@ fn purpledrop(file: PurpledropFile) -> Result<Vec<DrawnElectrode>, String> {
     let mut electrodes = Vec::new();
     for PitchedGrid { origin: [left, top], spacing, pins } in one.into_iter().chain(grids) {
         let width = pins.first().map_or(0, Vec::len);
-        // A place that was forgotten would shift all behind it.
+        // A forgotten place would shift all after it.
         if let Some((row, cells)) = pins.iter().enumerate().find(|(_, cells)| cells.len() != width) {
             let [row, places] = [row + 1, cells.len()];
             return Err(format!(

@@ -1,8 +1,9 @@
-//! Files of boards: which of them a program names, and their electrodes as cells, each file read once.
+//! Board files: finds those that a program names, reads each once, and turns its electrodes into cells.
 //!
-//! Three forms are known by what is in them: board definitions of PurpleDrop, the list of electrodes of OpenDrop's program, and device
-//! files of MicroDrop. Electrodes on one lattice, from each of which a droplet can go to the next, become cells; those off the lattice or
-//! cut off from the rest, and all that share a channel with such, are left out.
+//! Three formats are recognised by their content: board definitions of PurpleDrop, the list of electrodes of OpenDrop's
+//! program, and device files of MicroDrop. The largest connected set of electrodes on one lattice becomes the cells.
+//! Electrodes off the lattice or disconnected from that set are left out, and so are all that share a channel with one
+//! of these.
 
 mod lattice;
 mod lists;
@@ -16,7 +17,7 @@ use crate::device::BoardLimits;
 use crate::syntax::tree::{self, Expr, ExprKind, Item, Text};
 use std::rc::Rc;
 
-/// The name of the field that names such a file.
+/// Field that names a board file.
 const FIELD: &str = "map";
 
 /// Most electrodes of a file, shared channels included.
@@ -27,7 +28,8 @@ const MAX_ELECTRODES: usize = 8192;
 struct DrawnElectrode {
     name: String,
     channel: u32,
-    /// Left, top, right and bottom in a unit of the file, downwards; `None` where the file places it apart from its lattice.
+    /// Left, top, right and bottom in a unit of the file, y downwards; `None` where the file lists it apart from its
+    /// lattice.
     bounds: Option<[f64; 4]>,
 }
 

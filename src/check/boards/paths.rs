@@ -1,9 +1,10 @@
-//! Outlines of SVG paths, as far as they are needed to know where an electrode lies.
+//! Bounding boxes of SVG paths, which locate electrodes.
 
 /// Most numbers of a path.
 const MAX_NUMBERS: usize = 100_000;
 
-/// Left, top, right and bottom of the points of a path; control points of curves count as points. `None` if it is no path, has no area or numbers that are too large.
+/// Left, top, right and bottom of the points of a path; control points of curves count as points. `None` if the text is
+/// not a path, has no area, or has numbers that are too large.
 pub(super) fn bounds(path: &str) -> Option<[f64; 4]> {
     let mut pen = Pen {
         at: [0.0; 2],
@@ -60,7 +61,7 @@ fn number(text: &str) -> Option<(f64, &str)> {
     Some((value, &text[end..]))
 }
 
-/// Where a path is, and what it has covered.
+/// State of drawing a path: the current point, the start of the subpath, and the bounds so far.
 struct Pen {
     at: [f64; 2],
     start: [f64; 2],
@@ -68,9 +69,9 @@ struct Pen {
 }
 
 impl Pen {
-    /// Draws what a letter and its numbers say; `None` if they do not fit.
+    /// Executes a path command with its numbers; `None` if they do not fit.
     fn draw(&mut self, word: char, numbers: &[f64]) -> Option<()> {
-        // Numbers of one stroke; the last two of it are where it ends.
+        // Numbers of one segment, which end with its end point or with one coordinate of it.
         let stride = match word.to_ascii_uppercase() {
             'M' | 'L' | 'T' => 2,
             'H' | 'V' => 1,
@@ -92,7 +93,7 @@ impl Pen {
             match (word.to_ascii_uppercase(), stroke) {
                 ('H', [x]) => self.go([origin[0] + x, self.at[1]]),
                 ('V', [y]) => self.go([self.at[0], origin[1] + y]),
-                // Radii, turn and flags of an arc are no points.
+                // Radii, rotation and flags of an arc are not points.
                 ('A', [.., x, y]) => self.go([origin[0] + x, origin[1] + y]),
                 (_, points) => {
                     for point in points.chunks(2) {

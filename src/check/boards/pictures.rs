@@ -1,4 +1,4 @@
-//! Boards as pictures: device files of MicroDrop, in which paths have the channel of their electrode.
+//! Boards in SVG: device files of MicroDrop, whose paths carry the channel of their electrode.
 
 use super::paths::bounds;
 use super::{DrawnElectrode, MAX_ELECTRODES};
@@ -8,7 +8,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 /// The attribute with the channel of an electrode.
 const CHANNEL: &str = "data-channels";
 
-/// Most nodes of a picture.
+/// Most XML nodes of a picture.
 const MAX_NODES: u32 = 200_000;
 
 /// The electrodes of a text.
@@ -31,7 +31,8 @@ pub(super) fn read(text: &str, BoardLimits { most_channel, .. }: BoardLimits) ->
 
 fn electrode(node: Node, most_channel: u32) -> Result<DrawnElectrode, String> {
     let here = |what: String| {
-        // Lines are counted from the start of the file: for every electrode that would be its size times their number.
+        // Only after an error: lines are counted from the start of the file, which for every electrode would be
+        // quadratic.
         let at = node.document().text_pos_at(node.range().start);
         format!("has {what}, line {}, column {}", at.row, at.col)
     };
@@ -48,7 +49,7 @@ fn electrode(node: Node, most_channel: u32) -> Result<DrawnElectrode, String> {
     Ok(DrawnElectrode { name, channel, bounds: Some([left + x, top + y, right + x, bottom + y]) })
 }
 
-/// How far the layers about an element move it; `None` for what is no move.
+/// Translation of an element by the layers around it; `None` if one has another transform.
 fn shift(node: Node) -> Option<[f64; 2]> {
     let mut moved = [0.0; 2];
     for transform in node.ancestors().filter_map(|node| node.attribute("transform")) {
@@ -68,7 +69,7 @@ fn shift(node: Node) -> Option<[f64; 2]> {
     Some(moved)
 }
 
-/// A text of a file on one line of a message.
+/// Text from a file for one line of a message, without control characters and cut to 40 characters.
 fn plain(text: &str) -> String {
     let most = 40;
     let kept = text.chars().map(|c| if c.is_control() { ' ' } else { c });

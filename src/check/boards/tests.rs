@@ -38,7 +38,8 @@ fn of_two_grids_the_larger_is_the_board() {
     assert_eq!(board.left_out.off_lattice, ["pin 20", "pin 21"]);
 }
 
-/// As OpenDrop's program has them: commas at the end, a gate beside the field, two pads on one channel, a long pad and one between places.
+/// A list as OpenDrop's program writes it: trailing commas, a gate beside the field, two pads on one channel, a long
+/// pad and one between places.
 #[test]
 fn a_list_of_rectangles_is_put_on_its_lattice() {
     let board = board(
@@ -51,7 +52,7 @@ fn a_list_of_rectangles_is_put_on_its_lattice() {
     assert_eq!(board.left_out.off_lattice, ["channel 2", "channel 3"]);
 }
 
-/// Electrodes with few neighbours: most of them have their nearest one aslant, or farther than a pitch.
+/// Electrodes with few neighbours: the nearest one of most of them lies diagonally, or farther away than a pitch.
 #[test]
 fn sparse_electrodes_are_put_on_their_lattice() {
     let list = |places: &[[u32; 2]]| {
@@ -68,7 +69,7 @@ fn sparse_electrodes_are_put_on_their_lattice() {
     assert_eq!(apart.left_out.cut_off.len(), 7);
 }
 
-/// Outlines with teeth whose middles lie beside the places, a moved layer, and a reservoir.
+/// Interdigitated outlines whose centres are off their places, a moved layer, and a reservoir.
 #[test]
 fn paths_with_channels_are_put_on_their_lattice() {
     let square = |id: &str, [x, y]: [f64; 2], channel: u32| {
@@ -92,7 +93,8 @@ fn paths_with_channels_are_put_on_their_lattice() {
     assert_eq!(board.left_out.off_lattice, ["far"]);
 }
 
-/// Lines and columns are worked out for messages alone: for each electrode from the start of the file it would take many minutes.
+/// Lines and columns are computed for messages alone: counted from the start of the file for each electrode, they would
+/// take many minutes.
 #[test]
 fn a_large_picture_is_read_in_a_moment() {
     let square = |index: usize| {
@@ -192,7 +194,7 @@ fn what_is_no_board_says_where() {
     assert!(fault(&format!("[{}]", long.join(","))).contains("1001 columns"));
 }
 
-/// Broken texts are refused, whatever is cut off or put in.
+/// Reading a broken text never panics, whatever is cut off or inserted.
 #[test]
 fn broken_texts_do_no_harm() {
     let texts = [

@@ -1,7 +1,9 @@
-//! Obstacles that cover a cell: a hierarchy of box grids, so that a query among tens of thousands of obstacles takes a few steps.
+//! Obstacles that cover a cell, looked up in a hierarchical grid of bounding boxes, so that a query among tens of
+//! thousands of obstacles takes a few steps.
 //!
-//! An obstacle is entered under its bounding box at the level whose squares are at least as wide as the box, in four squares
-//! at most; a cell is looked up once in each level. The answer is exact: boxes only choose the candidates.
+//! An obstacle is entered under its bounding box at the level whose squares are at least as wide as the box, in four
+//! squares at most; a cell is looked up once in each level. The answer is exact, because boxes only select the
+//! candidates.
 
 use super::{DimibotObstacle, bounds_um, clearance_um};
 use crate::claims::dimibot::DimibotObstacleBody;
@@ -11,7 +13,7 @@ use rustc_hash::FxHashMap;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// The obstacles of a scene as one device meets them, prepared for queries.
+/// The obstacles of a scene as judged for one device, indexed for queries.
 #[derive(Debug, Clone)]
 pub struct SceneCover {
     /// Pose of the robot's frame in the scene, if the scene has one.
@@ -23,7 +25,7 @@ pub struct SceneCover {
 }
 
 impl SceneCover {
-    /// Enters the obstacles, which must be those of this device.
+    /// Indexes the obstacles, which must be those of this device.
     pub fn of(obstacles: Vec<DimibotObstacle>, facts: &DimibotFacts, frame: Option<Pose>) -> SceneCover {
         let mut squares: FxHashMap<(u32, u32, u32), Vec<u32>> = FxHashMap::default();
         for (index, obstacle) in obstacles.iter().enumerate() {
@@ -64,7 +66,8 @@ pub fn covers(body: &DimibotObstacleBody, cell: LatticeCell, facts: &DimibotFact
     }
 }
 
-/// The lowest and the highest cell that a body can cover, one more on each side for rounding; `None` outside the lattice.
+/// The lowest and the highest cell that a body can cover, with a margin of one cell on each side for rounding; `None`
+/// outside the lattice.
 fn box_of(body: &DimibotObstacleBody, facts: &DimibotFacts) -> Option<[LatticeCell; 2]> {
     match body {
         DimibotObstacleBody::Cells { from, to } => (from.x <= to.x && from.y <= to.y).then_some([*from, *to]),

@@ -22,7 +22,7 @@ impl Checker<'_> {
         facts.filter_map(|(facts, pose)| Some((robot_facts(facts?)?, pose))).collect()
     }
 
-    /// Puts the robots that never run into the scenes of the others, where they stand at home.
+    /// Adds the robots that never run to the scenes of the others, as obstacles at their homes.
     pub fn put_idle_robots(&mut self, placed: &PlacedDevices, jobs: &mut [Job]) {
         let mut known: BTreeMap<(DeclarationPlace, DeclarationPlace), Arc<Vec<DimibotObstacle>>> = BTreeMap::new();
         for (site, job) in placed.sites.iter().zip(jobs) {
@@ -42,7 +42,7 @@ impl Checker<'_> {
         }
     }
 
-    /// The tip of a robot that stands at home.
+    /// The tip of a robot that stands at home, as an obstacle.
     fn idle_robot(&mut self, frame: &DeviceFrame) -> Option<DimibotObstacle> {
         let facts = robot_facts(self.facts::<Kind>(frame.device)?)?;
         let [x_um, y_um] = in_scene_um(facts.place_um(facts.home), Some(&frame.pose));

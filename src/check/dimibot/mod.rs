@@ -1,4 +1,4 @@
-//! Is this DiMiBot possible, is this scene possible for it, are these goals?
+//! Checks of DiMiBots: whether a robot is possible, whether a scene is possible for it, and whether goals are.
 
 use super::devices::CheckedDevice;
 use super::figures::Figures;
@@ -100,7 +100,7 @@ fn simultaneous(fields: &Accepted) -> Option<Simultaneous> {
     fields.word("simultaneous").and_then(Simultaneous::find)
 }
 
-/// Whether the workspace is of a size that is counted with exactly.
+/// Whether the workspace is small enough for exact geometry; a larger one is reported.
 fn fits(facts: &DimibotFacts, device: &CheckedDevice, sink: &mut Sink) -> bool {
     let extent_um = 2.0 * facts.gain * facts.stroke_um * std::f64::consts::SQRT_2;
     let fits = extent_um <= dimibot::MAX_REACH_UM && facts.growth_um() <= dimibot::MAX_REACH_UM;
@@ -150,10 +150,10 @@ impl Checker<'_> {
     }
 }
 
-/// A scene as one device meets it.
+/// A scene as judged for one device.
 pub struct DimibotScene {
     pub cover: SceneCover,
-    /// Whether none of its objects is impossible.
+    /// Whether all of its objects are possible.
     pub is_whole: bool,
 }
 
@@ -171,7 +171,7 @@ impl SceneRobot<'_> {
         self.frame.map(|frame| &frame.pose)
     }
 
-    /// Whether a body can touch neither the tip nor that of any other robot of the scene.
+    /// Whether a body is out of reach of the tip of every other robot in the scene.
     fn is_out_of_all_reach(&self, body: &DimibotObstacleBody) -> bool {
         let is_outside_of = |(facts, pose): &(Rc<DimibotFacts>, Pose)| is_outside(&body.seen_from(Some(pose)), facts);
         self.others.iter().all(is_outside_of)
@@ -264,7 +264,7 @@ fn block(
     Some(clipped(low, high, facts))
 }
 
-/// The part of a block on the lattice; a block that misses it entirely keeps `from` above `to`.
+/// The part of a block on the lattice; a block that misses it entirely gets a `from` above its `to`.
 fn clipped(low: [i64; 2], high: [i64; 2], facts: &DimibotFacts) -> DimibotObstacleBody {
     let last = [facts.cells(Side::Left), facts.cells(Side::Right)].map(|cells| i64::from(cells) - 1);
     let missed = (0..2).any(|axis| high[axis] < 0 || low[axis] > last[axis]);
@@ -310,12 +310,12 @@ fn is_outside(body: &DimibotObstacleBody, facts: &DimibotFacts) -> bool {
     }
 }
 
-/// The cell of all modules at 1.
+/// The cell of the word with all modules at 1.
 fn last_cell(facts: &DimibotFacts) -> LatticeCell {
     LatticeCell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 }
 }
 
-/// The lower and the upper corner of the box round a grown body; `None` for a shape that cannot be.
+/// Lower and upper corner of the bounding box of a grown body; `None` for an impossible shape.
 fn bounds_um(shape: &Shape, pose: &Pose, growth_um: f64) -> Option<[[f64; 2]; 2]> {
     let grown = shape.grown(pose, growth_um).ok()?;
     let corners = grown.core.corners();
@@ -365,7 +365,7 @@ fn order(
     })
 }
 
-/// The precision of a task: `None` after an error.
+/// The precision of a task in micrometres, or `Some(None)` if it sets none; `None` after an error.
 fn precision(settings: &Accepted, facts: &DimibotFacts, sink: &mut Sink) -> Option<Option<f64>> {
     let Some(field) = settings.get("precision") else { return Some(None) };
     let Value::Quantity(asked) = field.value else { return None };
@@ -382,7 +382,7 @@ fn objective(name: Option<&str>) -> Option<DimibotObjective> {
     name.map_or(Some(DimibotObjective::Distance), DimibotObjective::find)
 }
 
-/// Only time is saved by switching several modules at once.
+/// Warns of `simultaneous: safe` with an objective other than time: switching several modules at once saves time alone.
 fn warn_of_simultaneous(settings: &Accepted, objective: DimibotObjective, sink: &mut Sink) {
     let is_safe = simultaneous(settings) == Some(Simultaneous::Safe);
     if let Some(field) = settings.get("simultaneous").filter(|_| is_safe && objective != DimibotObjective::Time) {
@@ -404,7 +404,8 @@ fn planner(parts: &Parts, asked: (DimibotObjective, Simultaneous), sink: &mut Si
     Some(DimibotPlanner { method, expansions })
 }
 
-/// A feature that the task asks of a published method and that it lacks, and where; Tweeze's own planner has all.
+/// A feature that the task asks of a published method but that the method lacks, and where; Tweeze's own planner has
+/// all.
 fn beyond(
     method: DimibotMethod,
     parts: &Parts,
@@ -422,7 +423,7 @@ fn beyond(
     (asked == (DimibotObjective::Time, Simultaneous::Safe)).then_some(("switch several modules in one pulse", span))
 }
 
-/// Where a robot stands after a task, as far as that is known before planning.
+/// Where a robot stands after a task, as far as known before planning.
 #[derive(Clone, Copy)]
 enum KnownStand {
     At(LatticeCell),
@@ -430,7 +431,8 @@ enum KnownStand {
     Unknown,
 }
 
-/// Each `start at` must be where the device's last task left it, as far as that is known before planning.
+/// Checks that each `start at` is where the device's last task left it, as far as known before planning, and that a
+/// task without one does not begin on an obstacle.
 fn starts_agree(jobs: &[Job], sink: &mut Sink) {
     let mut stands: BTreeMap<&str, KnownStand> = BTreeMap::new();
     for job in jobs {

@@ -8,7 +8,7 @@ use crate::diagnostic::Code;
 use crate::quantity::Dimension;
 use crate::real::Real;
 
-/// Number of rings of cells round a covered goal that are searched for a free one.
+/// Number of rings of cells around a covered goal that are searched for a free one.
 const MAX_RINGS: u32 = 64;
 
 /// Judges the stops of one task.
@@ -50,7 +50,7 @@ impl<'a> StopJudge<'a> {
                 DimibotAction::Visit(self.visits(&object)?)
             }
             tasks::VocabularyAction::Verb(call) => DimibotAction::Move(self.moves(call.phrases)?),
-            // The vocabulary has no goals at the same time.
+            // The vocabulary has no simultaneous goals.
             tasks::VocabularyAction::Together(_) | tasks::VocabularyAction::Assay(_) => return None,
         };
         Some(DimibotStep { action, span: step.span })
@@ -162,7 +162,7 @@ impl<'a> StopJudge<'a> {
         format!("{}, cell {cell}", place(self.scene_um(cell)))
     }
 
-    /// Number of modules that would bring a place into the workspace, if any number does.
+    /// Help with the number of modules that would bring a place into the workspace, if any number does.
     fn modules_to_reach(&self, place_um: [f64; 2]) -> String {
         if place_um[0] < 0.0 || place_um[1] < 0.0 {
             return match self.cover.frame {
@@ -193,7 +193,7 @@ impl<'a> StopJudge<'a> {
         }
     }
 
-    /// Number of modules with which a cell would exist, on the sides that have too few.
+    /// Help with the number of modules with which a cell would exist, on the sides that have too few.
     fn modules_for_cell(&self, x: i64, y: i64) -> String {
         if x < 0 || y < 0 {
             return "; cells count from 0".to_owned();
@@ -264,7 +264,8 @@ impl<'a> StopJudge<'a> {
     }
 }
 
-/// Whether a place lies between the outermost cells, within the robot's precision and that of a printed figure.
+/// Whether a place lies between the outermost cells, with a slack of the robot's repeatability or, if greater, of
+/// 1/1000 of the pitch for printed numbers.
 fn within_workspace(facts: &dimibot::DimibotFacts, place_um: [f64; 2]) -> bool {
     let last = facts.place_um(LatticeCell { x: facts.cells(Side::Left) - 1, y: facts.cells(Side::Right) - 1 });
     Side::BOTH.iter().all(|side| {
@@ -293,13 +294,13 @@ fn place([x_um, y_um]: [f64; 2]) -> String {
     format!("({}, {})", length(x_um), length(y_um))
 }
 
-/// An element of a list that is visited, with the step where its list is given elsewhere.
+/// Argument for an element of a visited list; its origin is the step, if the list is given elsewhere.
 fn element(target: &Spanned<Value>, list: Span) -> Argument {
     let origin = (!list.contains(target.span)).then(|| ValueOrigin { span: list, text: "visited here".to_owned() });
     Argument { value: target.value.clone(), span: target.span, origin }
 }
 
-/// The cell of a state that no scene is known for: a device's home.
+/// The cell of a state without a scene: a device's home.
 pub fn state(value: &Argument, facts: &dimibot::DimibotFacts, device: &str, sink: &mut Sink) -> Option<LatticeCell> {
     let nothing = SceneCover::of(Vec::new(), facts, None);
     StopJudge::new(facts, &nothing, device, None, sink).start(value).map(|cell| cell.value)

@@ -1,4 +1,4 @@
-//! The index of covered cells against asking every obstacle, and how fast large programs are checked.
+//! Tests of the index of covered cells against a test of every obstacle.
 
 use super::*;
 use crate::random::SplitMix64;

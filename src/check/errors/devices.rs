@@ -50,7 +50,8 @@ pub fn cells_indistinguishable(span: Span, repeatability: &str, pitch: &str) -> 
         .help("more modules refine the lattice, not the robot: places are no better than the repeatability")
 }
 
-/// For an existing module its channels are listed by the part after the dot; for a missing module the valid range is given.
+/// For an existing module its channels are listed by the part after the dot; for a missing module the valid range is
+/// given.
 pub fn unknown_channel(span: Span, owner: &str, channel: &str, known: &[String]) -> Diagnostic {
     let module = |channel: &str| channel.split('.').next().unwrap_or_default().to_owned();
     let of_module = known.iter().filter(|known| module(known) == module(channel)).map(String::as_str);
@@ -139,7 +140,7 @@ pub fn no_travel(span: Span, least: Quantity, most: Quantity) -> Diagnostic {
         .help("give `travel_from` and `travel_to` as the stage's own positions, the lower one first")
 }
 
-/// A field of a wire to an output of which nothing is known.
+/// A field of a wire to an output without a declared instrument.
 pub fn wire_without_instrument(field: &Ident, output: Span) -> Diagnostic {
     Diagnostic::new(Code::E0427, format!("`{}` of a wire without an instrument", field.text))
         .label(field.span, "belongs to the output of an instrument")
@@ -160,7 +161,7 @@ pub fn wire_turned_round(channel: &Path, output: &Path) -> Diagnostic {
     let finding = Diagnostic::new(Code::E0119, "a wire the wrong way round")
         .label(instrument.1, "an output of an instrument")
         .help(format!("the channel of the device stands first: write `{} -> {}`", channel.0, instrument.0));
-    // Not with an index, which is no part of the names.
+    // No edit where there is an index, which is not part of the names.
     match [&instrument, &channel].iter().all(|(name, span)| name.len() == span.range().len()) {
         true => finding.mended(instrument.1, channel.0).mended(channel.1, instrument.0),
         false => finding,
@@ -193,7 +194,7 @@ pub fn too_many_driver_channels(protocol: &str, channels: u32, most: u32) -> Dia
         .help(format!("give the driver at most {most} channels"))
 }
 
-/// A rate at which a controller of stages takes no places.
+/// A rate at which a stage controller takes no positions.
 pub fn no_stream_rate(protocol: &str, rate: &str, rates: &str) -> Diagnostic {
     Diagnostic::new(Code::E0403, format!("a `rate` of {rate}, `{protocol}` takes {rates}"))
         .help("give the controller such a rate: the higher it is, the less are corners cut")
@@ -216,7 +217,7 @@ pub fn no_driver_heater(field: &str, protocol: &str) -> Diagnostic {
         .help(format!("leave `{field}` out; an OpenDrop has three heaters, `protocol: opendrop`"))
 }
 
-/// A temperature that has no place in a frame.
+/// A temperature that a frame cannot encode.
 pub fn temperature_of_no_frame(given: &str, [least, most]: [u32; 2]) -> Diagnostic {
     Diagnostic::new(
         Code::E0403,
@@ -234,7 +235,7 @@ pub fn channel_to_accessory(span: Span, channel: &str, output: &str) -> Diagnost
         ))
 }
 
-/// An output of many levels wired to a magnet or a heater.
+/// A graded output wired to a magnet or a heater.
 pub fn share_of_accessory(span: Span, name: &str, declared: Span, output: &str) -> Diagnostic {
     Diagnostic::new(Code::E0427, format!("`{name}` has many levels, `{output}` is on or off"))
         .label(span, "a magnet or a heater")
@@ -242,7 +243,7 @@ pub fn share_of_accessory(span: Span, name: &str, declared: Span, output: &str) 
         .help(format!("declare it with two levels: `output {name} : digital`"))
 }
 
-/// A wire to a heater of which nothing says how warm it is.
+/// A wire to a heater without a temperature.
 pub fn heater_without_temperature(span: Span, name: &str, declared: Span, output: &str) -> Diagnostic {
     Diagnostic::new(Code::E0426, format!("instrument `{name}` does not say how warm its `{output}` is"))
         .label(span, "no such output yet")
@@ -287,14 +288,14 @@ pub fn channel_beyond_driver(
         .help("compare `channels` of the device with the driver that the board is for")
 }
 
-/// All channels to an output of which nothing is known.
+/// All channels wired to an output without a declared instrument.
 pub fn all_to_a_name(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0427, "`all` to a name")
         .label(span, "one output, and nothing is known of others")
         .help("declare the instrument, `instrument card : instruments.ni_usb_6343`, and write `all -> card`")
 }
 
-/// All channels in their order, where they have numbers.
+/// All channels wired in order, although they have numbers.
 pub fn all_of_numbered(span: Span, channel: &str, number: u32, instrument: &str) -> Diagnostic {
     Diagnostic::new(
         Code::E0427,
@@ -305,14 +306,14 @@ pub fn all_of_numbered(span: Span, channel: &str, number: u32, instrument: &str)
     .help(format!("write `electrodes -> {instrument}`: each electrode goes to the output of its number"))
 }
 
-/// All channels to one output.
+/// All channels wired to one output.
 pub fn all_to_one_output(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0427, "`all` to one output")
         .label(span, "carries one channel")
         .help(format!("write `all -> {name}`: each channel goes to the next free output"))
 }
 
-/// A field for all wires of a device that none of them has.
+/// A field for all wires of a device that applies to none of them.
 pub fn idle_wire_field(span: Span, device: &str, name: &str) -> Diagnostic {
     let takes = |sort: &&LinkSort| sort.fields().iter().any(|field| field.name == name);
     let others: Vec<&str> = LinkSort::ALL.iter().filter(takes).map(|sort| sort.described()).collect();
@@ -321,15 +322,15 @@ pub fn idle_wire_field(span: Span, device: &str, name: &str) -> Diagnostic {
         .help(format!("leave it out; it is for wires to {}", others.join(", to ")))
 }
 
-/// What the wires of all channels take.
+/// Sort of output that the wires of all channels lead to.
 fn output_sort(by_lines: bool) -> &'static str {
     if by_lines { "digital line" } else { "output of voltage or position" }
 }
 
-/// How they take lines.
+/// Help for wiring all channels to digital lines instead.
 const LINES: &str = "for digital lines give the voltage that they switch, the one of the device, as `switches: 20 V`";
 
-/// An instrument without an output for any channel.
+/// An instrument without a free output for all channels.
 pub fn nothing_free(span: Span, name: &str, declared: Span, by_lines: bool) -> Diagnostic {
     let (what, other) =
         (output_sort(by_lines), if by_lines { "leave `switches` out for outputs of voltage" } else { LINES });
@@ -354,8 +355,8 @@ pub fn channels_left_over(
     ))
 }
 
-/// Two instruments of a program, each with a wire that leads to it, that begin when the sender says so; whether the second is an electrode
-/// driver, which nothing can trigger.
+/// Two instruments of a program, each with a wire that leads to it, that both begin when the sender starts them.
+/// `is_driver` is set if the second is an electrode driver, which nothing can trigger.
 pub fn starts_apart(first: &str, first_wire: Span, second: &str, second_wire: Span, is_driver: bool) -> Diagnostic {
     let help = match is_driver {
         false => format!(

@@ -61,7 +61,7 @@ pub fn object_for_place(span: Span, noun: &str, declared: &Ident) -> Diagnostic 
         .help("an object's name does not stand for where it is: write the cell or the place, as `(10, 6)`")
 }
 
-/// What a used file declares instead of what was looked for.
+/// Help that lists what a used file declares; `None` if that is nothing.
 pub fn declared_there<'a>(names: impl Iterator<Item = &'a str>) -> Option<String> {
     let names: Vec<&str> = names.take(MAX_LISTED).collect();
     (!names.is_empty()).then(|| format!("it declares {}", listed(names.into_iter())))
@@ -102,7 +102,7 @@ pub fn unknown_shape(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
         .near_or(shape_synonym(name).or(near), known)
 }
 
-/// The shape that another word means elsewhere.
+/// The shape for a synonym that other programs use.
 fn shape_synonym(name: &str) -> Option<&'static str> {
     Some(match name.to_lowercase().as_str() {
         "circle" | "round" | "dot" => "disc",
@@ -241,7 +241,7 @@ pub fn kept_file_name(span: Span, name: &str, keeper: &str) -> Diagnostic {
         .help(format!("give the file another name with `as`, as `as my_{name}`"))
 }
 
-/// `uses` are the other `use`s of the circle in their order, each with the file that it names.
+/// `uses` are the other `use`s of the cycle in order, each with the file that it names.
 pub fn import_cycle(span: Span, name: &str, uses: &[(Span, &str)]) -> Diagnostic {
     let names = uses.iter().map(|(_, name)| *name);
     let chain: Vec<&str> = std::iter::once(name).chain(names).chain([name]).collect();
@@ -300,12 +300,12 @@ pub fn unknown_verb(span: Span, verb: &str, vocabulary: &Vocabulary, near: Optio
         false => format!("{kind} can {}; besides there are {besides} and the settings", listed(known.iter().copied())),
     };
     let own = known.iter().chain(besides_words).copied().find(|own| own.eq_ignore_ascii_case(verb));
-    // A setting of that name in another form is not what was meant by another word.
+    // The word itself is no suggestion: it exists, but in another form.
     let near = own.or_else(|| verb_synonym(verb, vocabulary)).or(near).filter(|near| *near != verb);
     Diagnostic::new(Code::E0208, format!("{kind} cannot `{verb}`")).label(span, "not a step").near_or(near, list)
 }
 
-/// The verb of the kind that another word means elsewhere.
+/// The verb of the kind for a synonym that other programs use.
 fn verb_synonym(name: &str, vocabulary: &Vocabulary) -> Option<&'static str> {
     let ours: &[&'static str] = match name.to_lowercase().as_str() {
         "go" | "goto" | "mv" | "travel" | "carry" | "bring" | "send" | "transport" => &["move", "drive", "translate"],
@@ -400,7 +400,7 @@ pub fn unknown_field(name: &Ident, owner: &str, near: Option<&str>, known: &[&st
         .near_or(own.filter(|own| known.contains(own)).or(near), list)
 }
 
-/// A width and a height, where a size is asked for.
+/// A width and a height where a size is expected.
 pub fn extents(width: &Field, height: &Field, owner: &str) -> Diagnostic {
     let before_width = Span { end: width.value.span.start, ..width.name.span };
     let before_height = Span { end: height.value.span.start, ..width.value.span.after() };
@@ -422,7 +422,7 @@ pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) 
         .near_or(own.or(near), list)
 }
 
-/// The noun that another word means elsewhere.
+/// The noun for a synonym that other programs use.
 fn noun_synonym(noun: &str) -> Option<&'static str> {
     Some(match noun.to_lowercase().as_str() {
         "droplet" | "drop" | "sample" | "bead" | "particle" | "micropart" | "object" => "part",
@@ -458,7 +458,7 @@ pub fn never_run_with_parameters(span: Span, sort: DeclarationSort, name: &str) 
         .help(format!("add a program: `program all {{ run {name}(…) }}`"))
 }
 
-/// Something of a scene that is named where something else of it belongs.
+/// An object of a scene where one of another noun belongs.
 pub fn object_of_other_noun(span: Span, name: &str, noun: &str, found: (&str, Span)) -> Diagnostic {
     let title = format!("`{name}` is {}, {} belongs here", with_article(found.0), with_article(noun));
     Diagnostic::new(Code::E0211, title)

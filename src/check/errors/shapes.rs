@@ -40,7 +40,7 @@ pub fn board_file_not_plain(span: Span) -> Diagnostic {
         .help("write the name itself: `map: \"board.json\"`")
 }
 
-/// A file that describes no board.
+/// A file that does not describe a board.
 pub fn bad_board(span: Span, path: &str, why: &str) -> Diagnostic {
     Diagnostic::new(Code::E0430, format!("`{path}` {why}")).label(span, "used here").help(
         "name a board definition of PurpleDrop, the electrodes.json of OpenDrop's program, or a device file of MicroDrop; other boards are \
@@ -48,7 +48,7 @@ pub fn bad_board(span: Span, path: &str, why: &str) -> Diagnostic {
     )
 }
 
-/// A file of triangles that is no closed surface.
+/// A mesh file that is not a closed surface.
 pub fn bad_mesh(span: Span, path: &str, why: &str) -> Diagnostic {
     Diagnostic::new(Code::E0553, format!("`{path}` {why}"))
         .label(span, "used here")

@@ -17,7 +17,7 @@ pub fn outside_workspace(span: Span, what: &str, extent: &str, help: String) -> 
         .help(help)
 }
 
-/// A goal or a start, by its code, on an obstacle.
+/// A goal or a start on an obstacle; `code` tells which.
 pub fn on_obstacle(
     code: Code,
     span: Span,
@@ -33,12 +33,12 @@ pub fn on_obstacle(
         .help_if(free)
 }
 
-/// Adds the place where an argument's value was given, if it has a name.
+/// Labels the origin of an argument's value, if it has one.
 pub fn given_at(diagnostic: Diagnostic, argument: &Argument) -> Diagnostic {
     given_from(diagnostic, argument.span, argument.origin.as_ref())
 }
 
-/// As [`given_at`] for a value that is labelled already, by its span.
+/// As [`given_at`], for a value that already has a label at `labelled`.
 pub fn given_from(diagnostic: Diagnostic, labelled: Span, origin: Option<&ValueOrigin>) -> Diagnostic {
     match origin {
         Some(origin) => diagnostic.label_elsewhere(origin.span, labelled, origin.text.clone()),
@@ -110,7 +110,7 @@ pub fn wrong_noun(noun: &Ident, verb: &Verb, own: &str, near: Option<&str>) -> D
         .near_or(near, format!("write `{}`", verb.example))
 }
 
-/// Something in a verb's braces that is no entry.
+/// Something in a verb's braces that is not an entry.
 pub fn no_entry(span: Span, verb: &Verb) -> Diagnostic {
     Diagnostic::new(Code::E0509, format!("this is no entry of `{}`", verb.name))
         .label(span, "an object and its prepositions belong here, without a verb")
@@ -233,7 +233,7 @@ pub fn input_is_output(span: Span, name: &str) -> Diagnostic {
         .help("wait for another line")
 }
 
-/// `require time >= 10 s` in a task whose duration depends on what comes.
+/// `require time >= 10 s` in a task whose duration depends on an input or a person.
 pub fn least_time_of_hold(span: Span, hold: Span) -> Diagnostic {
     Diagnostic::new(Code::E0567, "a least `time` for a task that may be done sooner")
         .label(span, "cannot be promised")
@@ -368,7 +368,7 @@ pub fn wrong_place(span: Span, found: &Value, wanted: &str) -> Diagnostic {
         .help("write `at (12, 7)` for a cell, `at (4 um, 2.5 um)` for a place, `at pose(8 um, 3 um, 30 deg)` for a turned shape")
 }
 
-/// The coordinates of a cell of which one is no number that is counted to.
+/// The coordinates of a cell of which one is not whole or is too large to be exact; `None` for any other value.
 fn odd_cell(found: &Value) -> Option<Vec<f64>> {
     let Value::Point(coordinates) = found else { return None };
     let are_numbers = coordinates.iter().all(|part| part.dimension == Dimension::NUMBER);

@@ -48,7 +48,8 @@ fn dimension_help(wanted: &WantedName, dimension: Dimension, found: &Value, exam
     }
 }
 
-/// Of a time, milliseconds and seconds are equally likely, and of an angle degrees and radians: both are shown, and neither is written.
+/// A second likely unit, for the help: milliseconds and seconds are equally likely for a time, degrees and radians for
+/// an angle. Both are shown, and no edit writes either.
 fn second_unit(dimension: Dimension, example: &str) -> String {
     match example.split_once(' ') {
         Some((number, "ms")) if dimension == Dimension::TIME => format!(" or `{number} s`"),
@@ -58,7 +59,7 @@ fn second_unit(dimension: Dimension, example: &str) -> String {
     }
 }
 
-/// The unit that goes with a value where it lacks one: times below 1 are meant in seconds.
+/// The likely unit of a value that lacks one: times below 1 are meant in seconds.
 fn likely_unit(dimension: Dimension, found: &Value) -> String {
     let is_small =
         |quantity: &Quantity| quantity.dimension == Dimension::NUMBER && quantity.si > 0.0 && quantity.si < 1.0;
@@ -68,13 +69,13 @@ fn likely_unit(dimension: Dimension, found: &Value) -> String {
     }
 }
 
-/// Digits that make sense with the unit of an example.
+/// Whether digits make sense with the unit of an example.
 fn is_plain(digits: &str) -> bool {
     const PLAIN: std::ops::RangeInclusive<f64> = 0.001..=100_000.0;
     digits.parse().is_ok_and(|number: f64| PLAIN.contains(&number.abs()))
 }
 
-/// The value without its unit, with a unit that fits; `1` where the digits would make no sense there.
+/// The digits of a value with a unit that fits; `1` where the digits would make no sense there.
 fn example(dimension: Dimension, found: &Value) -> String {
     let unit = likely_unit(dimension, found);
     let written = match (found, kept_unit(dimension, found)) {
@@ -85,7 +86,8 @@ fn example(dimension: Dimension, found: &Value) -> String {
     format!("{} {unit}", if is_plain(&written) { written.as_str() } else { "1" })
 }
 
-/// The unit in which a value keeps its size: a length given for a length per pixel is `0.02 um` in `0.02 um/px`.
+/// The numerator of the likely unit if the value has its dimension, so that the value keeps its size: a length given
+/// for a length per pixel is `0.02 um` in `0.02 um/px`.
 fn kept_unit(dimension: Dimension, found: &Value) -> Option<String> {
     let unit = likely_unit(dimension, found);
     let (numerator, _) = unit.split_once('/')?;
@@ -94,7 +96,7 @@ fn kept_unit(dimension: Dimension, found: &Value) -> Option<String> {
     is_same.then(|| numerator.to_owned())
 }
 
-/// A quantity whose unit stands the wrong way round, or is a degree Fahrenheit, as it has to be written.
+/// The text of a quantity converted from a reciprocal unit or from degrees Fahrenheit; `None` for any other unit.
 fn converted(dimension: Dimension, written: &str, found: &Value) -> Option<String> {
     let Value::Quantity(quantity) = found else { return None };
     if dimension == Dimension::TEMPERATURE && written == "F" {
@@ -106,11 +108,11 @@ fn converted(dimension: Dimension, written: &str, found: &Value) -> Option<Strin
     is_reciprocal.then(|| format!("{} {unit}", digits(Quantity::new(1.0 / quantity.si, dimension).in_unit(&unit))))
 }
 
-/// The melting point of ice in degrees Fahrenheit, as their definition has it.
+/// The melting point of ice in degrees Fahrenheit, by definition.
 const FAHRENHEIT_AT_0_DEGC: f64 = 32.0;
 
-/// Gives a finding about the dimension of a number the digits that were written, and the edit that gives them the unit, where they make
-/// sense with it.
+/// Improves a finding about the dimension of a number: the help shows the digits that were written, and an edit adds
+/// the unit, where the digits make sense with it.
 pub fn unit_mended(
     finding: Diagnostic,
     wanted: &WantedName,
@@ -143,7 +145,7 @@ pub fn unit_mended(
     match kept_unit(dimension, found) {
         Some(numerator) if written.text == numerator => shown(finding, &example).mended(written.span, unit),
         Some(_) => finding,
-        // Any other unit would give the number another meaning: it is shown, and not written.
+        // Any other unit would give the number another meaning: it is shown, but no edit writes it.
         None => shown(finding, &example),
     }
 }
@@ -154,7 +156,7 @@ pub fn wrong_value(wanted: &WantedName, what: &str, example: &str, span: Span, f
     wanted.declared_on(diagnostic).help(format!("write {what}, as `{example}`"))
 }
 
-/// A list where one object is moved.
+/// A list where one object belongs.
 pub fn several_objects(wanted: &WantedName, noun: &str, span: Span) -> Diagnostic {
     let title = format!("{} must be the name of a {noun}, but this is a list", wanted.name);
     let diagnostic = Diagnostic::new(Code::E0304, title).label(span, "a list");
@@ -166,7 +168,7 @@ pub fn several_objects(wanted: &WantedName, noun: &str, span: Span) -> Diagnosti
     wanted.declared_on(diagnostic).help(help)
 }
 
-/// `found` is the word as it was written, if it was one.
+/// `found` is the word as it was written, or empty if it was none.
 pub fn wrong_word(
     wanted: &WantedName,
     choices: &[device::WordChoice],
@@ -234,7 +236,7 @@ pub fn bad_operand(span: Span, symbol: &str, operand: Span, found: &Value) -> Di
         .label(if span == operand { span } else { operand }, found.describe_fully())
 }
 
-/// A temperature on the Celsius scale where its kelvins would be counted with.
+/// A temperature on the Celsius scale in an operation that would use its kelvins.
 pub fn celsius_operand(span: Span, symbol: &str, found: &Value) -> Diagnostic {
     let degrees = match found {
         Value::Quantity(quantity) => digits(quantity.in_unit(quantity::CELSIUS)),
@@ -301,7 +303,7 @@ const SPELT_OUT: [(&str, &str); 27] = [
     ("hrs", "h"),
 ];
 
-/// Units of what is counted otherwise, and how.
+/// Units of quantities that are counted otherwise, and how those are counted.
 const WITHOUT_UNITS: [(&[&str], &str); 2] = [
     (
         &["l", "L", "ml", "mL", "ul", "uL", "µl", "µL", "nl", "nL", "pl", "pL"],
@@ -334,7 +336,7 @@ pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
             .label(span, "its zero is not that of a product")
             .help("write `degC` alone, as in `60 degC`, and `K` for a difference of temperatures");
     }
-    // Millihertz and megahertz, millipascals and megapascals are both meant by some.
+    // Some mean millihertz or millipascals, others megahertz or megapascals.
     if let Some(base) = ["Hz", "Pa"].into_iter().find(|base| part.to_lowercase() == format!("m{}", base.to_lowercase()))
     {
         return Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
@@ -465,7 +467,7 @@ pub fn bad_coordinate(span: Span, found: &Value) -> Diagnostic {
         )
 }
 
-/// A point with the unit of its other coordinates behind each bare 0, if nothing else is wrong with it.
+/// The text of a point with the unit of its other coordinates after each bare 0, if that is its only fault.
 fn zero_without_unit(coordinates: &[Quantity]) -> Option<String> {
     let dimension = coordinates.iter().map(|one| one.dimension).find(|dimension| *dimension != Dimension::NUMBER)?;
     let whole: Option<Vec<String>> = coordinates

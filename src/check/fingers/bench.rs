@@ -1,4 +1,4 @@
-//! A scene as one hand meets it: its parts.
+//! A scene as judged for one hand: its parts.
 
 use super::part::{JudgedPart, PartReader};
 use crate::check::Checker;
@@ -15,7 +15,7 @@ use std::rc::Rc;
 /// Greatest number of parts in one scene.
 pub const MAX_PARTS: usize = 64;
 
-/// Iterations of a loop charged for a part, for each hand that meets it.
+/// Loop iterations charged for a part, for each hand whose scene has it.
 const PART_TURNS: usize = 4_000;
 
 /// A part of a scene.
@@ -36,7 +36,7 @@ impl Checker<'_> {
     pub fn bench(&mut self, site: &TaskSite, facts: &FingersFacts) -> Rc<HandScene> {
         self.scene_met(site, |checker, scene| {
             let Some(scene) = scene else { return HandScene::default() };
-            // Each scene is worked out again for each hand.
+            // Each scene is judged, and charged, again for each hand.
             let is_solid = |one: &&Rc<SceneObject>| one.shape.as_ref().is_some_and(|s| s.value.form.is_of_space());
             let solids: Vec<Span> = scene.objects.iter().filter(is_solid).map(|object| object.span).collect();
             match solids.first() {

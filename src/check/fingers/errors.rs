@@ -1,4 +1,4 @@
-//! Hands: E0425, E0540 and on.
+//! Hands: E0425, E0540 and above.
 
 pub use crate::check::errors::*;
 
@@ -10,7 +10,7 @@ use crate::real::Real;
 use crate::source::Span;
 use std::f64::consts::TAU;
 
-/// The greatest turn of one step, in radians: once round, and rounding.
+/// Greatest turn of one step, in radians: a full turn plus rounding.
 pub const MOST_RAD: f64 = TAU + 1e-9;
 
 /// An angle of at most five digits for a message.
@@ -113,7 +113,7 @@ pub fn part_place(span: Span, found: &Value) -> Diagnostic {
         .help("write `at (0 um, 0 um, 5 um)`, or leave it out for the hand's origin; its axes are along the hand's at first")
 }
 
-/// A concave place that a tip is too large for.
+/// A concave place that is too narrow for the tips.
 pub fn tip_too_large(span: Span, at: &Tipped, radius_um: f64, device: Span) -> Diagnostic {
     let (least, name) = (length(radius_um), at.part);
     let title = format!(
@@ -170,7 +170,7 @@ pub fn too_many_grasps(span: Span, name: &str, [contacts, angles]: [usize; 2], s
         .help(format!("take {step}, or leave the load and the part's `material` out"))
 }
 
-/// A tip that touches the section of a solid and stands in the solid.
+/// A tip that touches a section of a solid but penetrates the solid.
 pub struct BuriedTip {
     pub plane: Plane,
     pub contact: u32,
@@ -178,7 +178,7 @@ pub struct BuriedTip {
     pub beyond: Option<u32>,
     pub depth_um: f64,
     pub tolerance_um: f64,
-    /// Whether it stands as deep in the section, whose corners are smoothed.
+    /// Whether it penetrates the section as well, whose corners are smoothed.
     pub is_smoothed: bool,
 }
 
@@ -261,7 +261,7 @@ pub fn no_part(span: Span) -> Diagnostic {
         .help("declare one: `scene cell { part bead : ellipsoid { axes: (16 um, 12 um, 12 um) } }` and `task … on hand in cell`")
 }
 
-/// An angle between two whole numbers of steps.
+/// An angle that is not a whole number of steps.
 ///
 /// `step_deg` is a step of the device with which all turns of the task are whole steps, if one is known.
 pub fn no_whole_steps(
@@ -272,7 +272,7 @@ pub fn no_whole_steps(
     step_deg: Option<f64>,
 ) -> Diagnostic {
     let below = (asked_rad / step_rad).floor();
-    // One step of a task turns no farther than once round.
+    // One step of a task turns by a full turn at most.
     let within: Vec<f64> = [below, below + 1.0]
         .map(|steps| steps * step_rad)
         .into_iter()
@@ -300,7 +300,7 @@ pub fn no_whole_steps(
         })
 }
 
-/// A step of a device as it can be written: one that is no whole number of degrees as a share of a turn.
+/// A step of a device as it can be written: as a fraction of a turn if it is not a whole number of degrees.
 fn step_text(step_deg: f64) -> String {
     if (step_deg - step_deg.round()).abs() < 1e-9 {
         format!("{} deg", digits(step_deg.round()))
@@ -315,14 +315,14 @@ pub fn turn_too_far(span: Span, asked_rad: f64) -> Diagnostic {
         .help("write several steps one below the other")
 }
 
-/// The goal of a number of whole steps.
+/// Goal that whole steps miss.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AskedTurn {
     Orientation,
     TurnAboutX,
 }
 
-/// What would reach an orientation.
+/// Mends for a missed orientation.
 pub struct OrientationMend {
     /// A step of the device, if one is known.
     pub step_deg: Option<f64>,
@@ -330,12 +330,12 @@ pub struct OrientationMend {
     pub needed_rad: f64,
 }
 
-/// A miss as a precision that accepts it: in degrees as messages show it.
+/// The precision that accepts a miss, rounded up as messages show it in degrees.
 pub fn precision_for(off_rad: f64) -> f64 {
     no_less(off_rad.to_degrees(), 2).to_radians()
 }
 
-/// An orientation that whole steps miss.
+/// An orientation that whole steps do not reach.
 pub fn orientation_missed(
     span: Span,
     asked: AskedTurn,
@@ -384,7 +384,7 @@ pub fn flat_part(span: Span, name: &str, what: &str, declared: Span) -> Diagnost
         .help("give it a solid shape, as `ellipsoid` or `sections { xy: …, xz: … }`, or turn it about z")
 }
 
-/// Planes between which no two fingers can hand over.
+/// Two planes between which the part cannot be handed over.
 pub fn no_junction(span: Span, name: &str, why: &str, declared: Span) -> Diagnostic {
     Diagnostic::new(Code::E0542, format!("`{name}` cannot go over from one plane to the other: {why}"))
         .label(span, "in another plane than the part is held in")
@@ -418,7 +418,7 @@ pub fn nothing_held(span: Span, what: &str, released: Option<Span>) -> Diagnosti
     .help(format!("`grasp` or `rotate` it before, or leave `{what}` out"))
 }
 
-/// A part that goes with the last finger.
+/// A part that would stick to the last finger.
 pub fn sticks(span: Span, needed_un: f64, support_un: f64, pull_off_un: f64, safety: f64) -> Diagnostic {
     let title = format!(
         "the part would stick to the last finger: {} hold it down; {} are needed",

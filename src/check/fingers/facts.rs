@@ -12,13 +12,14 @@ use std::f64::consts::TAU;
 /// The fewest steps of one turn: 90 deg each.
 const MIN_STEPS_PER_TURN: u32 = 4;
 
-/// Greatest deviation of a full turn from a whole number of steps, in steps: the rounding of a step that was written with few digits.
+/// Greatest deviation of a full turn from a whole number of steps, as a share of that number: the rounding of a step
+/// that was written with few digits.
 const STEP_SLACK: f64 = 1e-4;
 
 /// The largest length of a hand: a metre.
 const MAX_LENGTH_UM: f64 = 1e6;
 
-/// The smallest length that is planned with: an atom.
+/// The smallest length that is allowed: that of an atom.
 const MIN_LENGTH_UM: f64 = 1e-4;
 
 /// Least non-zero and greatest force: a femtonewton and a newton.

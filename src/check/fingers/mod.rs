@@ -1,4 +1,5 @@
-//! Is this hand possible, is this object one that it can turn, are these steps of it?
+//! Checks of multi-finger hands: whether a hand is possible, whether it can turn a part, and whether the steps of its
+//! tasks are possible.
 
 mod bench;
 mod errors;

@@ -1,6 +1,6 @@
-//! Orientations in space, and by which turns of whole steps they are reached.
+//! Orientations in space, and the turns of whole steps that reach them.
 //!
-//! A turn of a part is about its own axis, so that turns in their order multiply from the left to the right.
+//! A turn is about an axis of the part (intrinsic), so that successive turns multiply from left to right.
 
 use crate::check::orientation;
 pub use crate::check::orientation::{Orientation, read, written};
@@ -10,10 +10,10 @@ use crate::real::Real;
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// Greatest number of decompositions of one step that are searched.
+/// Greatest number of decompositions of one step that a plan chooses from.
 pub const MAX_WAYS: usize = 48;
 
-/// Below this the sine of the middle angle leaves only one turn to be made.
+/// Sine of the middle angle below which the first and the last turn share their axis, so that only one of them is left.
 const FLAT: f64 = 1e-9;
 
 /// A turn in a plane of the part.
@@ -41,15 +41,16 @@ pub struct TurnsToOrientation {
     pub off_rad: f64,
 }
 
-/// For each of three angles: the short way or the long one, and the nearest number of steps or the next one.
+/// Number of choices: for each of three angles the short way or the long one, and the nearest number of steps or the
+/// next one.
 const CHOICES: u32 = 1 << 6;
 
 /// Share by which a turn of whole steps may exceed 360 deg.
 const FULL_SLACK: f64 = 1e-2;
 
-/// The decompositions into up to three turns of whole steps in alternating planes that come near a relative orientation: both solutions of
-/// its angles, with either plane first, each angle in either direction, and by the nearest number of steps or the next one. Without
-/// duplicates, those of less turning first, at most [`MAX_WAYS`].
+/// The decompositions into up to three turns of whole steps in alternating planes that come near a relative
+/// orientation: both solutions of its angles, with either plane first, each angle in either direction, and by the
+/// nearest number of steps or the next one. Without duplicates, sorted by total turning, the least first.
 pub fn ways(goal: &Orientation, part: &HandPart) -> Vec<TurnsToOrientation> {
     let mut found: Vec<TurnsToOrientation> = Vec::new();
     for first in Plane::ALL {
@@ -72,7 +73,8 @@ fn effort(way: &TurnsToOrientation, part: &HandPart) -> f64 {
     way.turns.iter().map(|turn| f64::from(turn.steps.abs()) * step(turn.plane)).sum()
 }
 
-/// The angles of three turns, the first and the last in one plane, the middle one in the other.
+/// The angles of three turns, the first and the last in one plane, the middle one in the other: one entry for each
+/// solution.
 fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
     // z, y, z in these coordinates is y, z, y in the part's own: x reversed, y and z exchanged.
     let swap = match first {
@@ -86,7 +88,7 @@ fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
     let sine = r[(0, 2)].hypotenuse(r[(1, 2)]);
     if sine < FLAT {
         let (whole, half) = (r[(1, 0)].arc_tangent_over(r[(0, 0)]), r[(1, 0)].arc_tangent_over(-r[(0, 0)]));
-        // Upside down the last turn counts against the first.
+        // Upside down, the last turn is subtracted from the first.
         return if r[(2, 2)] > 0.0 { vec![[whole, 0.0, 0.0]] } else { vec![[-half, PI, 0.0], [0.0, PI, half]] };
     }
     let (a, b, c) = (
@@ -97,8 +99,8 @@ fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
     vec![[a, b, c], [a + PI, -b, c + PI]]
 }
 
-/// Each angle as the nearest whole number of steps or the next one, the short way or the long one, by the bits of `choice`; `None` where
-/// that is no turn.
+/// Rounds each angle to the nearest whole number of steps or the next one, the short way or the long one, as the bits
+/// of `choice` select; `None` where that is not a turn of its own.
 fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &HandPart) -> Option<Vec<FingersTurn>> {
     let other = match first {
         Plane::Xy => Plane::Xz,
@@ -119,13 +121,13 @@ fn whole_turns(angles: [f64; 3], choice: u32, first: Plane, part: &HandPart) -> 
         let nearest = exact.round();
         let other = if exact < nearest { nearest - 1.0 } else { nearest + 1.0 };
         let steps = if is_next { other } else { nearest };
-        // A full turn is no distinct way to stay in place.
+        // A full turn is not a distinct way to stay in place.
         if steps.abs() * step_rad > TAU * (1.0 + FULL_SLACK) || is_long && short.abs() < FULL_SLACK {
             return None;
         }
         let steps = steps as i32;
         match turns.last_mut() {
-            // No turn was left between them.
+            // The turn between them came to no steps.
             Some(FingersTurn { plane: last, steps: sum }) if *last == plane => *sum += steps,
             Some(_) | None => turns.push(FingersTurn { plane, steps }),
         }

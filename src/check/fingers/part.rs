@@ -1,4 +1,4 @@
-//! A part as one hand meets it: its contacts in both planes, and whether tips reach them.
+//! A part as judged for one hand: its contacts in both planes, and whether tips reach them.
 
 use super::errors;
 use crate::check::devices::CheckedDevice;
@@ -18,13 +18,13 @@ use nalgebra::{Point2, Vector3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Places sampled to find where an outline bends inwards most.
+/// Number of samples that find the most concave place of an outline.
 const LOOKS: usize = 4096;
 
-/// Greatest number of tips round a section that are held against the surface of its solid.
+/// Greatest number of tip positions around a section that are tested against the surface of its solid.
 const MAX_TIPS: u32 = 20_000;
 
-/// The share of a force in a plane that is more than rounding.
+/// In-plane share of a force above which it is more than rounding.
 const LEAST_SHARE: f64 = 1e-9;
 
 /// Standard gravity by definition: 3rd General Conference on Weights and Measures, 1901.
@@ -34,11 +34,12 @@ const STANDARD_GRAVITY_M_PER_S2: f64 = 9.806_65;
 #[derive(Debug, Clone)]
 pub struct JudgedPart {
     pub part: Arc<HandPart>,
-    /// The shape, if its centre of mass is not known.
+    /// Where its shape is written, if its centre of mass is unknown.
     pub uncentred: Option<Span>,
     /// Its weight, in micronewtons; 0 without a material.
     pub weight_un: f64,
-    /// Why tips do not go round its section in the plane xz, which it lacks then: of no matter to tasks that turn it about z alone.
+    /// Why tips cannot travel around its section in the plane xz, which the part then lacks; irrelevant to tasks that
+    /// turn it about z alone.
     pub xz_fault: Option<Diagnostic>,
 }
 
@@ -112,7 +113,8 @@ impl PartReader<'_> {
         }
     }
 
-    /// A section that tips reach and go round clear of the solid; `None` where the outline was reported.
+    /// A section that tips reach and travel around clear of the solid; `None` for an impossible outline, which was
+    /// already reported.
     fn travelled(&self, solid: &HandSolid, outline: &Outline, plane: Plane, span: Span) -> Option<Diagnosed<Section>> {
         let section = match self.section(outline, plane, span)? {
             Ok(section) => section,
@@ -121,7 +123,8 @@ impl PartReader<'_> {
         Some(self.clear_of_surface(solid, &section, plane, span).map(|()| section))
     }
 
-    /// An outline with its contacts, which every tip reaches.
+    /// An outline with its contacts; an error if tips do not fit into a hollow of it, or if there are too many
+    /// contacts.
     fn section(&self, outline: &Outline, plane: Plane, span: Span) -> Option<Diagnosed<Section>> {
         let curve = Curve::of(outline).ok()?;
         let tip_um = self.facts.tip_radius_um;
@@ -139,11 +142,13 @@ impl PartReader<'_> {
         Some(Ok(Section { outline: outline.clone(), contacts: contacts as u32, opposite, step_rad }))
     }
 
-    /// Whether tips stand clear of the rest of the surface while they touch a section, at its contacts and between them, where they roll.
+    /// Checks that tips stand clear of the rest of the surface while they touch a section, at its contacts and between
+    /// them, where they roll.
     fn clear_of_surface(&self, solid: &HandSolid, section: &Section, plane: Plane, span: Span) -> Diagnosed {
         let (Some(surface), Ok(curve)) = (&solid.surface, Curve::of(&section.outline)) else { return Ok(()) };
         let (tip_um, tolerance_um) = (self.facts.tip_radius_um, self.facts.tolerance_um);
-        // The centre of a tip comes by the tip radius times what it rolls, so that between two places it is never further from both.
+        // The centre of a tip moves by the tip radius times the rolled angle, so that sampled places are at most one
+        // tolerance apart, unless their number is capped.
         let apart_um = tip_um * section.step_rad;
         let between = (apart_um / tolerance_um).ceil().clamp(1.0, f64::from(MAX_TIPS / section.contacts)) as u32;
         let depth_um = |place: u32| {
@@ -170,7 +175,7 @@ impl PartReader<'_> {
         Err(Box::new(errors::tip_in_solid(span, &self.object.name, &buried)))
     }
 
-    /// Whether no part of the object obstructs tips that travel round its sections.
+    /// Checks that nothing of the solid obstructs tips that travel around its sections.
     fn within_its_sections(&self, solid: &HandSolid, xy: &Section, xz: Option<&Section>, span: Span) -> Diagnosed {
         let sections = std::iter::once(xy).chain(xz);
         let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
@@ -184,7 +189,7 @@ impl PartReader<'_> {
     }
 }
 
-/// Where an outline bends inwards most.
+/// The most concave point of an outline.
 fn hollow(curve: &Curve) -> [f64; 2] {
     let ways = (0..LOOKS).map(|look| curve.perimeter_um() * look as f64 / LOOKS as f64);
     let spots = ways.map(|way| curve.spot(way));
@@ -193,12 +198,13 @@ fn hollow(curve: &Curve) -> [f64; 2] {
         .map_or([0.0; 2], |spot| spot.point_um)
 }
 
-/// Where the centre of a tip is that touches a contact, in the plane's coordinates, and the outward normal there.
+/// Centre of a tip that touches a contact, in the plane's coordinates, and the direction of the outward normal there,
+/// in radians.
 pub fn tip_um_at(section: &Section, curve: &Curve, contact: u32, tip_radius_um: f64) -> ([f64; 2], f64) {
     tip_um_rolled(curve, f64::from(contact - 1) * section.step_rad, tip_radius_um)
 }
 
-/// The same of a tip that has rolled on from contact 1 until the part would have turned by so much.
+/// As `tip_um_at`, for a tip that has rolled on from contact 1 by a given angle of the part's turn.
 fn tip_um_rolled(curve: &Curve, rolled_rad: f64, tip_radius_um: f64) -> ([f64; 2], f64) {
     let spot = curve.spot(curve.way_rolled_um(rolled_rad, tip_radius_um));
     let (sine, cosine) = spot.normal_rad.sine_cosine();
@@ -212,12 +218,13 @@ fn in_space(plane: Plane, [a, b]: [f64; 2]) -> [f64; 3] {
     std::array::from_fn(|axis| a * axes[0][axis] + b * axes[1][axis])
 }
 
-/// Whether a force has a share in a plane that is more than rounding.
+/// Whether the in-plane component of a force is more than rounding.
 pub fn is_in_plane(force_un: Vector3<f64>, plane: Plane) -> bool {
     Vector3::from(plane.normal()).cross(&force_un).norm() > LEAST_SHARE * force_un.norm()
 }
 
-/// Why two fingers that hold I and J in one plane do not hold them in the other, if that is so.
+/// Why two fingers that hold I and J, where the x axis leaves the part, in one plane do not hold them in the other;
+/// `None` if they do.
 pub fn junction_fault(part: &HandPart, facts: &FingersFacts) -> Option<String> {
     let xz = part.xz.as_ref()?;
     let mut tips = Vec::new();
@@ -258,7 +265,7 @@ pub fn junction_fault(part: &HandPart, facts: &FingersFacts) -> Option<String> {
 pub fn out_of_range(part: &HandPart, position_um: [f64; 3], facts: &FingersFacts) -> Option<errors::ShortStage> {
     let sections = std::iter::once(&part.xy).chain(&part.xz);
     let reach_um = sections.filter_map(|section| Curve::of(&section.outline).ok()).map(|curve| curve.reach_um());
-    // The tip that is free farthest out, on its whole sphere.
+    // The outermost free tip may be anywhere on its sphere.
     let last = facts.fingers.saturating_sub(1) as usize;
     let sphere_um = facts.sphere_um(last, reach_um.fold(0.0, f64::max));
     let (needed_um, range_um) = (position_um.map(|along_um| along_um.abs() + sphere_um), facts.range_um);

@@ -1,4 +1,4 @@
-//! Which `step` of a device would make the turns of a task whole steps.
+//! Search for a `step` of the device with which the turns of a task are whole steps.
 
 use super::orientation::{self, Orientation};
 use super::part::junction_fault;
@@ -8,13 +8,13 @@ use crate::device::fingers::{FingersFacts, MAX_CONTACTS, MAX_GRASPS, MAX_STEPS_P
 use crate::geometry::outline::Curve;
 use std::f64::consts::TAU;
 
-/// Fewest steps of one turn that are tried.
+/// Fewest steps of one full turn that are tried.
 const FEWEST: u32 = 4;
 
 /// Greatest number of values of `step` with which decompositions of an orientation are sought.
 const MAX_TRIED: usize = 64;
 
-/// The goal of a number of whole steps.
+/// Turns that whole steps are to make.
 pub enum WantedTurn<'a> {
     /// These angles in these planes, in radians.
     Turns(&'a [(Plane, f64)]),
@@ -22,15 +22,15 @@ pub enum WantedTurn<'a> {
     Orientation(&'a Orientation, &'a [(Plane, f64)]),
 }
 
-/// How a turn has to be made.
+/// Demands on a turn.
 pub struct TurnDemand {
     pub precision_rad: f64,
     /// Whether a force acts on the part, so that grasps may differ from angle to angle and are fewer.
     pub is_loaded: bool,
 }
 
-/// The `step` nearest to a hand's own, in degrees, with which a part is turned as wanted to within a precision; those of whole degrees
-/// come first. `None` where there is none, or none of those that were tried.
+/// The `step` nearest to a hand's own, in degrees, with which a part is turned as wanted to within a precision; those
+/// of whole degrees come first. `None` where there is none, or none of those that were tried.
 pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, demand: &TurnDemand) -> Option<f64> {
     let TurnDemand { precision_rad, is_loaded } = *demand;
     let curves = [Some(&part.xy), part.xz.as_ref()].map(|section| Curve::of(&section?.outline).ok());
@@ -55,7 +55,8 @@ pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, deman
         };
         Some((part, facts))
     });
-    // Where the force is in no plane of a turn more steps could do, but the plane is known only once the runs are walked.
+    // Where the force lies in no plane of a turn, more steps would be possible, but the plane is known only once the
+    // runs are walked.
     let turned: Vec<Plane> = match wanted {
         WantedTurn::Turns(turns) => turns.iter().map(|(plane, _)| *plane).collect(),
         WantedTurn::Orientation(..) => Plane::ALL.to_vec(),

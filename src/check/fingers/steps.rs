@@ -1,4 +1,4 @@
-//! The steps of a task: checks that do not depend on the part's orientation at that time.
+//! Checks of the steps of a task that do not depend on the part's orientation at that time.
 
 use super::bench::HandScene;
 use super::errors;
@@ -22,11 +22,12 @@ use crate::source::Span;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// The largest `precision`: a turn that ends farther off is no such turn.
+/// Largest `precision`: with a larger one nearly any turn would do.
 const MAX_PRECISION_RAD: f64 = 90.0 * std::f64::consts::PI / 180.0;
 
 impl Checker<'_> {
-    /// A task's body in the kind's own terms; `None` after an error. Orientations are made turns when the runs of a schedule are walked.
+    /// A task's body in the kind's own terms; `None` after an error. Orientations become turns when the runs of a
+    /// schedule are walked.
     pub fn fingers_order(&mut self, site: &TaskSite, facts: &Arc<FingersFacts>, parts: Parts) -> Option<FingersOrder> {
         let bench = self.bench(site, facts);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
@@ -73,7 +74,7 @@ fn planner(parts: &Parts) -> Option<FingersPlanner> {
     asked_for.map_or(Some(FingersPlanner::JointAstar), FingersPlanner::find)
 }
 
-/// The force on the part with its weight; `None` where it is unknown, or after an error.
+/// The force on the part, weight included, in micronewtons; `None` where it is unknown, or after an error.
 fn load_un(parts: &Parts, judged: &JudgedPart, sink: &mut Sink) -> Option<[f64; 3]> {
     let mut load_un = [0.0; 3];
     if let Some(setting) = parts.settings.get("load") {
@@ -95,7 +96,8 @@ fn load_un(parts: &Parts, judged: &JudgedPart, sink: &mut Sink) -> Option<[f64; 
 
 type Lain = Option<JudgedPart>;
 
-/// The one part of a task: that which its steps name, or the only one of its scene.
+/// The part of a task: the one that its steps name, or the only one of its scene. `None` after an error, `Some(None)`
+/// for a part with a fault.
 fn the_part(bench: &HandScene, parts: &Parts, scene: Option<Span>, site: &TaskSite, sink: &mut Sink) -> Option<Lain> {
     let mut first: Option<(&str, Span)> = None;
     for call in calls(parts) {
@@ -142,7 +144,8 @@ fn calls(parts: &Parts) -> impl Iterator<Item = &Call> {
     })
 }
 
-/// For each step the planes that the numbers of a grasp there may count in: that of the next turn, else that of the last one.
+/// For each step, the planes in which the contact numbers of a grasp there may count: that of the next turn, or else
+/// that of the last one.
 fn grasp_planes(steps: &[tasks::VocabularyStep], part: &HandPart) -> Vec<Vec<Plane>> {
     let turned: Vec<Option<Vec<Plane>>> = steps.iter().map(|step| planes_of(step, part)).collect();
     (0..steps.len())
@@ -198,7 +201,7 @@ fn leaves_plane_xy(step: &tasks::VocabularyStep) -> bool {
     }
 }
 
-/// The turns that steps ask for by an angle about z or y.
+/// The turns that steps make by an angle about z or y, in radians.
 fn turns(steps: &[tasks::VocabularyStep]) -> Vec<(Plane, f64)> {
     let turn = |step: &tasks::VocabularyStep| {
         let tasks::VocabularyAction::Verb(call) = &step.action else { return None };
@@ -289,7 +292,7 @@ impl HandStepJudge<'_> {
         None
     }
 
-    /// A contact for each finger, in each of the planes that its numbers may count in; `None` after an error.
+    /// A contact for each finger, checked in each of the planes in which its numbers may count; `None` after an error.
     fn grasp(&mut self, argument: &Argument, planes: &[Plane]) -> Option<Vec<u32>> {
         let fingers = self.facts.fingers as usize;
         let numbers = numbers(&argument.value)?;
@@ -338,7 +341,7 @@ impl HandStepJudge<'_> {
         })
     }
 
-    /// Tips that touch one another, or the part where they should not.
+    /// Diagnostic for tips that are too near to one another, or that cut into the part away from their contacts.
     fn tips_fault(&self, contacts: &[u32], plane: Plane, span: Span) -> Option<Diagnostic> {
         let section: &Section = self.part.section(plane)?;
         let curve = Curve::of(&section.outline).ok()?;

@@ -1,4 +1,5 @@
-//! Orientation, hold and place of the part when a step begins: known before planning, as goals are fixed.
+//! Tracks orientation, hold and position of the part from step to step; they are known before planning, because goals
+//! are fixed.
 //!
 //! The runs of a schedule are walked in order, and orientations become turns. Where several decompositions lead to an
 //! orientation, each of them may have been taken, and the following checks hold after every one.
@@ -16,7 +17,7 @@ use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Orientations nearer to each other than this are one.
+/// Orientations nearer to each other than this count as one.
 const SAME_RAD: f64 = 1e-9;
 
 /// Greatest number of orientations that a part may have after a step.
@@ -27,17 +28,18 @@ pub fn absolute(goal: [f64; 4]) -> FingersAction {
     FingersAction::Orient { goal, turns: Vec::new(), left_out_steps: None }
 }
 
-/// Placeholder for an orientation relative to the part's present one until the runs are walked: with one decomposition without turns.
+/// Placeholder for an orientation relative to the part's present one until the runs are walked; marked by one
+/// decomposition without turns.
 pub fn relative(goal: Orientation) -> FingersAction {
     FingersAction::Orient { goal: orientation::written(&goal), turns: vec![Vec::new()], left_out_steps: None }
 }
 
-/// How often a greater precision is tried, until one serves all orientations of a schedule.
+/// Greatest number of larger precisions tried until one serves all orientations of a schedule.
 const MAX_PRECISIONS: usize = 8;
 
 /// Checks the demands of a schedule on each hand and its part, run after run.
 pub fn hands_agree(jobs: &mut [Job], sink: &mut Sink) {
-    // Walked again with a greater precision, an orientation that is missed may be followed by others that are missed by more.
+    // Behind a missed orientation others may be missed by more, so the runs are walked again with larger precisions.
     if !jobs.iter().any(|job| matches!(job.order, Order::Fingers(_))) {
         return;
     }
@@ -57,8 +59,9 @@ pub fn hands_agree(jobs: &mut [Job], sink: &mut Sink) {
     walk(&mut asked, Some(needed_rad), sink);
 }
 
-/// Walks through the runs until something is wrong, which is reported; a missed orientation only with the precision that is `needed_rad`,
-/// and else its own is returned, rounded as messages show it.
+/// Walks through the runs up to the first fault, which is reported. A missed orientation is reported only if
+/// `needed_rad` is given, which its help names; otherwise the precision that accepts it is returned, rounded as
+/// messages show it.
 fn walk(jobs: &mut [Job], needed_rad: Option<f64>, sink: &mut Sink) -> Option<f64> {
     let mut hands: BTreeMap<String, HandWalk> = BTreeMap::new();
     for job in jobs {
@@ -92,11 +95,11 @@ fn walk(jobs: &mut [Job], needed_rad: Option<f64>, sink: &mut Sink) -> Option<f6
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum PartHold {
     Held,
-    /// Since the release there, if there was one.
+    /// Free since the release there, if there was one.
     Free(Option<Span>),
 }
 
-/// A hand between two steps.
+/// State of a hand between two steps.
 struct HandWalk {
     part: Arc<HandPart>,
     hold: PartHold,
@@ -105,11 +108,11 @@ struct HandWalk {
     /// Each orientation that the part may have; never empty.
     reached: Vec<Orientation>,
     position_um: [f64; 3],
-    /// Why the part cannot go over from one plane to the other, if it cannot.
+    /// Why the part cannot be handed over from one plane to the other; `None` if it can.
     junction_fault: Option<String>,
     /// The precision that serves all orientations of the schedule, where it is known.
     needed_rad: Option<f64>,
-    /// By how much the orientation is missed that is wrong, if one is.
+    /// Error of the missed orientation, if there is one.
     missed_rad: Option<f64>,
 }
 
@@ -166,7 +169,8 @@ impl HandWalk {
         Ok(())
     }
 
-    /// Whether the grasps of a turn are few enough to be searched: under a load in the plane they differ from angle to angle.
+    /// Checks that the grasps of a turn are few enough to be searched: under a load in the plane they differ from angle
+    /// to angle.
     fn looks_at_few(&self, plane: Plane, at: Span, order: &FingersOrder) -> Diagnosed {
         let Some(section) = self.part.section(plane) else { return Ok(()) };
         let load_un = Vector3::from(order.load_un);
@@ -193,8 +197,8 @@ impl HandWalk {
         Ok(())
     }
 
-    /// The decompositions that reach an orientation from every possible present one; and, if these are too many to be searched,
-    /// a lower bound on the steps of the ones left out.
+    /// The decompositions that reach an orientation from every possible present one; if these are too many to be
+    /// searched, also a lower bound on the steps of those left out.
     fn orient(
         &mut self,
         asked: errors::AskedTurn,
@@ -237,7 +241,8 @@ impl HandWalk {
         Ok((ways.into_iter().map(|way| way.turns).collect(), left_out_steps))
     }
 
-    /// A step of the device that reaches an orientation, where it is known how the part would be turned before: not at all, or as it is.
+    /// A `step` of the device with which an orientation is reached. It is sought only where the turns before do not
+    /// matter: the part is not turned yet, or the goal is relative to its present orientation.
     fn mending(&self, asked: errors::AskedTurn, goal: &Orientation, order: &FingersOrder) -> Option<f64> {
         let [reached] = self.reached.as_slice() else { return None };
         let is_known = asked == errors::AskedTurn::TurnAboutX || reached.angle() < SAME_RAD;
@@ -259,7 +264,7 @@ impl HandWalk {
         is_known.then(|| step::mending(&self.part, &order.facts, &wanted, &demand)).flatten()
     }
 
-    /// Any one of several decompositions has been taken.
+    /// Updates the state after a step for which any one of several decompositions may be taken.
     fn take(&mut self, ways: &[orientation::TurnsToOrientation]) {
         let before = std::mem::take(&mut self.planes);
         let mut reached: Vec<Orientation> = Vec::new();

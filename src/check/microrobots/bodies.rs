@@ -1,4 +1,4 @@
-//! Bodies of robots, and obstacles: their distances from each other.
+//! Bodies of robots and obstacles, and the distances between them.
 
 use crate::claims::microrobots::MicrorobotsObstacle;
 use crate::device::microrobots::Robot;
@@ -12,14 +12,14 @@ pub const SLACK_UM: f64 = 1e-6;
 /// The body of a robot at a pose: a rectangle about the pose's place, its long side along the heading.
 #[derive(Debug, Clone, Copy)]
 pub struct RobotBody {
-    /// Counter-clockwise, from the right of the front.
+    /// Counter-clockwise, beginning at the front right.
     pub corners: [Point2<f64>; 4],
     centre: Point2<f64>,
     reach_um: f64,
 }
 
 impl RobotBody {
-    /// The body of a robot that stands somewhere.
+    /// The body of a robot at a pose.
     pub fn of(robot: &Robot, pose: Pose) -> RobotBody {
         let (half_um, side_um) = (robot.length_um / 2.0, robot.width_um / 2.0);
         let frame = pose.isometry();
@@ -53,7 +53,7 @@ impl RobotBody {
         towards.chain(back).reduce(shorter).unwrap_or_default()
     }
 
-    /// The shortest shift that brings it out of a body that it overlaps; `None` if it overlaps it nowhere.
+    /// The shortest shift that brings it out of a body that it overlaps; `None` if they do not overlap.
     pub fn way_out(&self, other: &RobotBody) -> Option<Vector2<f64>> {
         let of_other = other.sides().map(|(normal, at)| normal * -self.beyond_um(normal, at));
         let own = self.sides().map(|(normal, at)| normal * other.beyond_um(normal, at));
@@ -63,7 +63,7 @@ impl RobotBody {
         of_other.into_iter().chain(own).reduce(shorter).filter(|_| !lies_apart)
     }
 
-    /// Distance of its nearest corner beyond a line; negative where it reaches across.
+    /// Signed distance of its nearest corner from a line, along the normal; negative where the body reaches across.
     pub fn beyond_um(&self, normal: Vector2<f64>, at: Point2<f64>) -> f64 {
         self.corners.iter().map(|corner| (corner - at).dot(&normal)).fold(f64::INFINITY, f64::min)
     }
@@ -102,7 +102,8 @@ impl ObstacleSolid {
         Some(ObstacleSolid { body, centre, reach_um })
     }
 
-    /// Distance of a robot's body from it; at most 0 where they touch. Only exact up to `enough_um`.
+    /// Distance of a robot's body from it; at most 0 where they touch. Exact only up to `enough_um`; above that a lower
+    /// bound.
     pub fn gap_um(&self, body: &RobotBody, enough_um: f64) -> f64 {
         let least_um = (self.centre - body.centre).norm() - self.reach_um - body.reach_um;
         if least_um > enough_um {

@@ -1,8 +1,10 @@
-//! Whether robots at their goals hold together: the first two meet head on, each further one meets the structure by its front.
+//! Whether robots at their goals hold together: the first two meet head on, each further one meets the structure by its
+//! front.
 //!
-//! Section 3.5 of the paper: two robots that meet head on slide until their fronts are aligned; a robot that comes to a structure turns about
-//! the corner that touches first until its front lies along the edge. The angles up to which that happens (`self_aligning_angle`,
-//! `sticking_angle`) are those at which robots may come, and not those at which they stay: a goal at an angle to its edge is never reached.
+//! Section 3.5 of the paper: two robots that meet head on slide until their fronts are aligned; a robot that comes to a
+//! structure turns about the corner that touches first until its front lies along the edge. The angles up to which that
+//! happens (`self_aligning_angle`, `sticking_angle`) are angles of approach, not final ones: a goal at an angle to its
+//! edge is never reached.
 
 use super::bodies::{RobotBody, SLACK_UM};
 use super::errors;
@@ -20,7 +22,7 @@ const SLACK_RAD: f64 = 1e-9;
 /// A robot at its goal.
 #[derive(Debug, Clone, Copy)]
 pub struct Docked<'a> {
-    /// Index of the order's robots.
+    /// Index among the order's robots.
     pub robot: usize,
     pub facts: &'a Robot,
     pub pose: Pose,
@@ -44,23 +46,23 @@ impl Docked<'_> {
     }
 }
 
-/// What goals of an assembly are held to.
+/// Limits on the goals of an assembly.
 #[derive(Debug, Clone, Copy)]
 pub struct GoalLimits {
     pub docking: Docking,
-    /// The task's `heading_precision`: so much a goal may be turned from where its robot lies flat.
+    /// The task's `heading_precision`: greatest angle of a goal from the heading at which its robot lies flat.
     pub flat_rad: f64,
 }
 
-/// Whether two bodies touch as docked bodies may.
+/// Whether two bodies touch, within the docking tolerance.
 pub fn touches(one: &Docked, other: &Docked, docking: &Docking) -> bool {
     one.body().gap_um(&other.body()).abs() <= docking.tolerance_um + SLACK_UM
 }
 
-/// How two robots meet head on.
+/// Geometry of two robots that meet head on.
 #[derive(Debug, Clone, Copy)]
 pub struct HeadOn {
-    /// Between the heading of the one and the back of the other, 0 to 180 degrees.
+    /// Angle between the heading of the one and the reversed heading of the other, from 0 to 180 degrees.
     pub angle_rad: f64,
     /// The greater distance of a front's middle from the axis of the other robot.
     pub offset_um: f64,
@@ -69,7 +71,7 @@ pub struct HeadOn {
 }
 
 impl HeadOn {
-    /// How these two meet.
+    /// Measures how two robots meet.
     pub fn of(one: &Docked, other: &Docked, docking: &Docking) -> HeadOn {
         let angle_rad = wrapped_rad(one.pose.heading_rad - other.pose.heading_rad - PI).abs();
         let off = |one: &Docked, other: &Docked| one.heading().perp(&(other.front() - one.front())).abs();
@@ -82,7 +84,7 @@ impl HeadOn {
         }
     }
 
-    /// Whether they stay so.
+    /// Whether they stay as they meet.
     pub fn holds(&self, limits: &GoalLimits) -> bool {
         self.faces
             && self.angle_rad <= limits.flat_rad + SLACK_RAD
@@ -90,7 +92,7 @@ impl HeadOn {
     }
 }
 
-/// Whether a body lies before the front of another, except for the overlap that docking permits.
+/// Whether a body lies in front of another one's front side, except for the overlap that docking permits.
 fn lies_before(body: &RobotBody, other: &RobotBody, docking: &Docking) -> bool {
     let [(normal, at), ..] = other.sides();
     body.beyond_um(normal, at) >= -docking.tolerance_um - SLACK_UM
@@ -98,16 +100,17 @@ fn lies_before(body: &RobotBody, other: &RobotBody, docking: &Docking) -> bool {
 
 /// The edge that a robot meets.
 struct MetEdge {
-    /// Outwards.
+    /// Outward normal.
     normal: Vector2<f64>,
     /// A point of it.
     at: Point2<f64>,
-    /// Between the heading of the robot and the inward normal.
+    /// Angle between the heading of the robot and the inward normal.
     incidence_rad: f64,
 }
 
 impl MetEdge {
-    /// At a corner that with the smaller angle; `None` if the robot lies before no edge.
+    /// The edge; at a corner, the one with the smaller angle of incidence. `None` if the robot lies in front of no
+    /// edge.
     fn of(one: &Docked, met: &Docked, docking: &Docking) -> Option<MetEdge> {
         let body = one.body();
         let edge = |(normal, at)| MetEdge { normal, at, incidence_rad: one.heading().angle(&-normal) };
@@ -128,7 +131,7 @@ pub fn lies_flat(one: &Docked, met: &Docked, limits: &GoalLimits) -> bool {
     touches(one, met, docking) && incidence_rad(one, met, docking) <= limits.flat_rad + SLACK_RAD
 }
 
-/// Where a robot comes to lie flat on an edge, turned about the middle of its front and put to the edge.
+/// Pose of a robot laid flat on the edge that it meets: turned about the middle of its front and moved to the edge.
 fn laid_flat(one: &Docked, met: &Docked, docking: &Docking, accepts: impl Fn(&Docked) -> bool) -> Option<Pose> {
     let MetEdge { normal, at, .. } = MetEdge::of(one, met, docking)?;
     let front = one.front() - normal * (one.front() - at).dot(&normal);
@@ -160,7 +163,7 @@ pub enum Partner<'a> {
     Structure,
 }
 
-/// Why a goal does not fit, given those docked before it.
+/// Why a goal does not fit, given those docked before it; `None` if it does.
 pub fn misfit<'a>(
     one: &Docked,
     before: &[Docked<'a>],

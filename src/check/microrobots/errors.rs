@@ -1,6 +1,6 @@
-//! Microrobots: E0416 and on, E0531 and on.
+//! Microrobots: E0416 and above, E0531 and above.
 //!
-//! Faults of a device come without labels: the caller puts them on fields and cells, of whichever file they are.
+//! Findings about a device come without labels: the caller labels its fields and cells, in whichever file they are.
 
 pub use crate::check::errors::*;
 
@@ -35,7 +35,7 @@ fn angle(rad: f64) -> String {
     Quantity::new(six_digits(rad.to_degrees()).to_radians(), Dimension::ANGLE).to_string()
 }
 
-/// A mere rounding difference is printed as 0.
+/// A value of six significant digits; a mere rounding difference becomes 0.
 fn six_digits(value: f64) -> f64 {
     if value.abs() < 1e-12 { 0.0 } else { significant(value, 6) }
 }
@@ -341,7 +341,7 @@ pub fn heading_too_large(span: Span, most_deg: f64) -> Diagnostic {
         .help("write a heading between -180 deg and 180 deg")
 }
 
-/// A control state whose strokes carry a robot farther than places are counted.
+/// A control state whose strokes carry a robot farther than can be planned.
 pub fn applied_too_far(span: Span, name: &str, way_um: f64, most_um: f64) -> Diagnostic {
     Diagnostic::new(
         Code::E0501,
@@ -357,7 +357,7 @@ pub fn pose_too_far(span: Span, most_um: f64) -> Diagnostic {
         .help("check the units of its coordinates")
 }
 
-/// A robot at a start or a goal, by its code, that something keeps it from.
+/// A robot whose start or goal, as `code` tells, is blocked.
 pub struct BlockedRobot<'a> {
     pub code: Code,
     pub robot: &'a str,
@@ -526,7 +526,8 @@ pub fn docked_apart(
         .help_if(mended_at(mended, "docks"))
 }
 
-/// `found` is the angle between the axes and their distance, if the two face each other; the distance may be up to `most_um`.
+/// `found` is the angle between the axes and their distance, if the two face each other; the distance may be up to
+/// `most_um`.
 pub fn not_head_on(
     goal: &GoalPlace,
     other: &GoalPlace,

@@ -148,20 +148,20 @@ fn errors_of(device: &CheckedDevice, sink: &mut Sink) -> Option<Option<Errors>> 
     }))
 }
 
-/// Least length of a body or of its circle, in micrometres: a smaller one is a mistaken unit.
+/// Least side of a body and least turning radius, in micrometres: a smaller one is a mistaken unit.
 const LEAST_BODY_UM: f64 = 0.1;
 
 /// Least length of a stroke, in micrometres; planners and the verifier count strokes.
 const LEAST_STROKE_UM: f64 = 1e-5;
 
-/// The longest fine motion, in micrometres: some bodies, as its cycles are walked one by one.
+/// Longest fine motion, in micrometres: a few body lengths, because its cycles are walked one by one.
 const MAX_FINE_UM: f64 = 1_000.0;
 
 /// Bounds on errors beyond which nothing is known of a robot, in SI units.
 const MAX_ERRORS: [(&str, f64); 4] =
     [("speed_error", 1.0), ("turning_error", 2e3 * PI), ("place_error", 1e-3), ("heading_error", PI)];
 
-/// An error bound that bounds nothing, or an endless fine motion, is a mistaken unit.
+/// Rejects error bounds that bound nothing and excessive fine motions: their units are mistaken.
 fn figures_have_sense(device: &CheckedDevice, sink: &mut Sink) {
     let most = MAX_ERRORS.into_iter().chain([("fine_length", MAX_FINE_UM / 1e6)]);
     for (name, most_si) in most {
@@ -173,7 +173,7 @@ fn figures_have_sense(device: &CheckedDevice, sink: &mut Sink) {
     }
 }
 
-/// Lengths beyond the range of exact geometry are a mistaken unit.
+/// Rejects lengths beyond the range of exact geometry: their units are mistaken.
 fn bodies_are_countable(facts: &MicrorobotsFacts, table: &RobotTable, device: &CheckedDevice, sink: &mut Sink) {
     let mut of_device = BTreeMap::new();
     for (row, robot) in facts.robots.iter().enumerate() {
@@ -210,7 +210,7 @@ fn bodies_are_countable(facts: &MicrorobotsFacts, table: &RobotTable, device: &C
     }
 }
 
-/// The drive train swings upwards, and no higher than the source; `None` if it does not.
+/// Checks that the drive train swings upwards, and no higher than the source; `None` if it does not.
 fn levels_in_order(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut Sink) -> Option<()> {
     let errors = sink.errors();
     let voltage = |name: &str| device.fields.text(name);
@@ -228,7 +228,7 @@ fn levels_in_order(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut 
     (sink.errors() == errors).then_some(())
 }
 
-/// A robot meets its partner with its front: docking angles are below a right angle.
+/// Checks that docking angles are below a right angle, because a robot meets its partner with its front.
 fn meets_forwards(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: &mut Sink) {
     let angles =
         [("self_aligning_angle", facts.docking.self_aligning_rad), ("sticking_angle", facts.docking.sticking_rad)];
@@ -252,7 +252,7 @@ fn fine_motion_has_room(facts: &MicrorobotsFacts, device: &CheckedDevice, sink: 
         return;
     }
     if facts.fine.length_um > MAX_FINE_UM {
-        return; // `figures_have_sense` has said so.
+        return; // Reported by `figures_have_sense`.
     }
     // A cycle has at least one stroke for each of its three primitives.
     let step_um = facts.robots.iter().map(|robot| robot.step_um).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! The steps of a task: checks that do not depend on the robots' places at that time.
+//! Checks of the steps of a task that do not depend on the robots' places at that time.
 
 use super::CheckedBed;
 use super::bodies::{ObstacleSolid, RobotBody};
@@ -64,7 +64,7 @@ impl Checker<'_> {
         };
         let assembles = steps.iter().any(|step| matches!(step.action, MicrorobotsAction::Assemble(_)));
         let why = match MicrorobotsObjective::find(name)? {
-            // What cannot be read may be one.
+            // A step that could not be read may be an assembly.
             MicrorobotsObjective::Failures if !assembles && !parts.is_whole => return Some(MicrorobotsObjective::Time),
             MicrorobotsObjective::Failures if !assembles => "the task assembles nothing",
             MicrorobotsObjective::Failures if bed.facts.errors.is_none() => "the device does not state all its errors",
@@ -79,7 +79,8 @@ fn assurance(settings: &Accepted) -> Assurance {
     if settings.is_set("guaranteed") { Assurance::Demanded } else { Assurance::Reported }
 }
 
-/// Report of a guarantee that no plan can give: a robot with errors that is driven to a pose is corrected by measurements.
+/// Diagnostic for a guarantee that no plan can give: a robot with errors that is driven to a pose is corrected by
+/// measurements.
 fn guaranteed_in_vain(settings: &Accepted, bed: &CheckedBed, steps: &[MicrorobotsStep]) -> Option<Diagnostic> {
     let setting = settings.get("guaranteed").filter(|_| settings.is_set("guaranteed"))?;
     let drives = |step: &&MicrorobotsStep| matches!(step.action, MicrorobotsAction::Drive { .. });
@@ -87,7 +88,7 @@ fn guaranteed_in_vain(settings: &Accepted, bed: &CheckedBed, steps: &[Microrobot
     Some(errors::guaranteed_drive(setting.span, drive.span))
 }
 
-/// Room for the rounding of a stroke, as a share of it.
+/// Rounding tolerance of a stroke, as a share of it.
 const ROUNDING: f64 = 1e-9;
 
 /// Tolerance of goals; a robot ends no nearer than half a stroke.
@@ -147,7 +148,7 @@ impl BedStepJudge<'_> {
         Some(MicrorobotsAction::Apply { state: state?, duration_ns })
     }
 
-    /// The robot that this number of strokes carries farthest, if that is too far.
+    /// Diagnostic for a duration that carries the fastest robot too far.
     fn too_far(&self, duration_ns: u64, span: Span) -> Option<Diagnostic> {
         let facts = &self.bed.facts;
         let robots = self.ground.robots.iter().map(|placed| &facts.robots[placed.row]);
@@ -255,7 +256,7 @@ fn digits(word: ModuleWord) -> String {
     (0..word.width).rev().map(|at| if word.bits >> at & 1 == 1 { '1' } else { '0' }).collect()
 }
 
-/// Number of rings of places round a pose that are searched for a better one, and of places on each.
+/// Number of rings around a pose that are searched for a better one, and of places on each ring.
 const RINGS: [u32; 2] = [60, 24];
 
 /// The nearest pose with the same heading, a whole number of micrometres away in widening rings, that `is_fine` accepts.

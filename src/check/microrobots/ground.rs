@@ -1,4 +1,4 @@
-//! A scene as one bed meets it: obstacles, and where each robot stands at first.
+//! A scene as judged for one bed: obstacles, and where each robot starts.
 
 use super::CheckedBed;
 use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
@@ -21,14 +21,14 @@ use crate::geometry::{Pose, Shape};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// A scene as a bed sees it.
+/// A scene as judged for one bed.
 #[derive(Debug, Clone)]
 pub struct BedScene {
     pub obstacles: Arc<Vec<MicrorobotsObstacle>>,
     /// In the order of the table.
     pub robots: Arc<Vec<Placed>>,
     pub names: ObjectNames,
-    /// Whether none of its objects is impossible.
+    /// Whether all of its objects are possible.
     pub is_whole: bool,
 }
 
@@ -51,7 +51,7 @@ fn judged_scene(scene: &CheckedScene, device: &CheckedDevice, facts: &Microrobot
     judged(&scene.objects, device, facts, sink)
 }
 
-/// A robot that was read: where it stands, with the place of that figure.
+/// A robot that was read: its placement, and the argument that gives its pose.
 struct StandingRobot {
     name: String,
     placed: Placed,
@@ -94,7 +94,7 @@ fn judged(objects: &[Rc<SceneObject>], device: &CheckedDevice, facts: &Microrobo
 /// Reads one object of a scene.
 struct GroundReader<'a> {
     object: &'a SceneObject,
-    /// All of the scene.
+    /// All objects of the scene.
     objects: &'a [Rc<SceneObject>],
     device: &'a CheckedDevice,
     facts: &'a MicrorobotsFacts,
@@ -117,7 +117,7 @@ impl GroundReader<'_> {
         if row.is_none() {
             let known: Vec<&str> = self.facts.robots.iter().map(|robot| robot.name.as_str()).collect();
             let table = self.device.fields.get("robots").map(|field| field.span);
-            // A robot that has its place already was not meant.
+            // A robot that is already placed was not meant.
             let is_placed = |robot: &&str| self.objects.iter().any(|object| object.name == **robot);
             let near = nearest(name, known.iter().copied().filter(|robot| !is_placed(robot)));
             let wrong = errors::robot_without_row(self.object.span, name, near, &known, &self.device.name, table);
@@ -126,7 +126,7 @@ impl GroundReader<'_> {
         row
     }
 
-    /// The body of a robot is that of the table; a shape of its own is an error.
+    /// Whether a robot has a shape, which is reported: its body is that of the table.
     fn has_own_body(&mut self) -> bool {
         let Some(shape) = &self.object.shape else { return false };
         self.sink.push(errors::robot_with_shape(shape.span, &self.object.name));
@@ -185,7 +185,7 @@ fn is_near(pose: &Pose) -> bool {
     pose.x_um.abs().max(pose.y_um.abs()) <= MAX_EXTENT_UM
 }
 
-/// The pose that an argument gives, where geometry counts exactly and with a heading that is known; `None` after an error.
+/// The pose that an argument gives, within the range of exact geometry and with a known heading; `None` after an error.
 pub fn exact_pose(at: &Argument, sink: &mut Sink) -> Option<Pose> {
     let pose = shapes::pose_of(&at.value)?;
     let far = (!is_near(&pose)).then(|| errors::pose_too_far(at.span, MAX_EXTENT_UM));
@@ -195,7 +195,7 @@ pub fn exact_pose(at: &Argument, sink: &mut Sink) -> Option<Pose> {
     Some(pose)
 }
 
-/// Robots start clear of obstacles and of each other: all of them move with the first stroke.
+/// Checks that robots start clear of obstacles and of each other, because all of them move with the first stroke.
 fn starts(standing: &[StandingRobot], obstacles: &[MicrorobotsObstacle], facts: &MicrorobotsFacts, sink: &mut Sink) {
     let solids: Vec<Option<ObstacleSolid>> = obstacles.iter().map(ObstacleSolid::of).collect();
     let body = |standing: &StandingRobot| RobotBody::of(&facts.robots[standing.placed.row], standing.placed.pose);
@@ -216,7 +216,7 @@ fn starts(standing: &[StandingRobot], obstacles: &[MicrorobotsObstacle], facts: 
     }
 }
 
-/// The first obstacle that a body is too near to, and its distance.
+/// The first obstacle that a body is too near to, and its distance in micrometres.
 pub fn first_near<'o>(
     body: &RobotBody,
     obstacles: &'o [MicrorobotsObstacle],

@@ -48,7 +48,7 @@ impl<'a> RobotTable<'a> {
         }
     }
 
-    /// Where a cell stands; the whole table where it has no such column.
+    /// Span of a cell, or of the whole table if it has no such column.
     pub fn place(&self, row: usize, column: &str) -> Span {
         self.cell(row, column).map_or(self.span, |cell| cell.span)
     }

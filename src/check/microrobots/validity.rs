@@ -78,7 +78,7 @@ impl TableJudge<'_> {
         DeviceLabel::cell(down.to(up), errors::relay_label(&robot.name, robot.snap_down_v, robot.release_v))
     }
 
-    /// An arm that would be released before it snaps down.
+    /// Diagnostic for an arm that is not released below its snap-down voltage.
     fn upside_down(&self, row: usize) -> Option<Diagnostic> {
         let robot = &self.facts.robots[row];
         (robot.release_v >= robot.snap_down_v).then(|| {
@@ -99,7 +99,7 @@ impl TableJudge<'_> {
         self.device.labelled(wrong, labels)
     }
 
-    /// The level of the device that would suit every row, where the drive train still swings.
+    /// Help for a level of the device that would suit every row, if the drive train still swings with it.
     fn other_level(&self, problem: &Problem) -> Option<String> {
         let MicrorobotsFacts { margin_v, relax_v, flex_v, .. } = *self.facts;
         let robots = &self.facts.robots;
@@ -194,14 +194,14 @@ impl TableJudge<'_> {
         (errors::voltage_out_of_limit(&robot.name, found_v, limit, self.facts.margin_v), labels)
     }
 
-    /// The two cells that a state would have to tell apart by one voltage.
+    /// Labels of the two cells that a state would have to separate by one voltage.
     fn gap(&self, gap: relays::RowGap, transition: Transition) -> Vec<DeviceLabel> {
         let (down, up) = (self.name(gap.down), self.name(gap.up));
         let [low, high] = errors::gap_labels(column(transition), [down, up], gap.gap_v);
         vec![self.cell(gap.down, transition, low), self.cell(gap.up, transition, high)]
     }
 
-    /// States that hold, but only just; of very many the first ones.
+    /// Warnings of states with little slack; of very many states the first ones, then their number.
     fn warnings(&self, analysis: &Analysis) -> Vec<Diagnostic> {
         let least_v = SMALL_SLACK * self.facts.margin_v;
         let is_thin = |(_, state): &(usize, &ControlState)| state.slack_v < least_v;
@@ -217,7 +217,7 @@ impl TableJudge<'_> {
         shown.chain(rest).collect()
     }
 
-    /// The cells that leave a state no more slack than it has.
+    /// Labels of the cells that limit the slack of a state.
     fn binding(&self, state: &ControlState) -> Vec<DeviceLabel> {
         let facts = self.facts;
         let is_binding = |slack_v: f64| (slack_v - state.slack_v).abs() <= 1e-9 * facts.max_v;

@@ -1,6 +1,6 @@
-//! The docked robots when a step begins: goals of assemblies are fixed, so that these are known before planning.
+//! Tracks the docked robots from step to step; they are known before planning, because goals of assemblies are fixed.
 //!
-//! The runs of a schedule are walked in order. The places of other robots depend on the plan.
+//! The runs of a schedule are walked in order. The places of the other robots depend on the plan.
 
 use super::bodies::{ObstacleSolid, RobotBody, is_too_near};
 use super::docking::{self, Docked, GoalLimits, Partner};
@@ -39,7 +39,7 @@ pub fn beds_agree(jobs: &[Job], sink: &mut Sink) {
     }
 }
 
-/// Where the stop at a place was given; `None` too if a `for` puts several stops there that were given in several places.
+/// Origin of the stop at a place; `None` too if a `for` puts several stops of different origins there.
 fn origin_of(action: &MicrorobotsAction, at: Span) -> Option<&ValueOrigin> {
     let stops: Vec<&MicrorobotsStop> = match action {
         MicrorobotsAction::Wait(_) | MicrorobotsAction::Apply { .. } => Vec::new(),
@@ -51,7 +51,7 @@ fn origin_of(action: &MicrorobotsAction, at: Span) -> Option<&ValueOrigin> {
     origins.all(|origin| origin == first).then_some(first)?
 }
 
-/// A bed between two steps.
+/// State of a bed between two steps.
 struct BedWalk {
     /// Start poses of the first scene.
     robots: Arc<Vec<Placed>>,
@@ -75,7 +75,7 @@ impl BedWalk {
         Some(order.facts.robots[*odd].name.as_str())
     }
 
-    /// Takes over the obstacles of another scene, which no docked robot may lie on.
+    /// Takes over the obstacles of another scene; a docked robot must not lie on one.
     fn furnish(&mut self, job: &Job, order: &MicrorobotsOrder) -> Option<Diagnostic> {
         if Arc::ptr_eq(&self.obstacles, &order.obstacles) {
             return None;
@@ -147,7 +147,8 @@ fn docked<'a>(robot: usize, at: &MicrorobotsStop, order: &'a MicrorobotsOrder) -
     Docked { robot, facts: order.robot(robot), pose: at.pose, span: at.span }
 }
 
-/// How late each robot of the order snaps down: the states of a STRING table lower one after the other. `None` where they do not.
+/// Rank of each robot of the order by snap-down, greater for a later one. `None` unless the states lower one arm after
+/// the other, as those of a STRING table do.
 fn ranks(order: &MicrorobotsOrder) -> Option<Vec<usize>> {
     let row = |robot: usize| order.robots[robot].row;
     let is_down = |robot: usize| order.states.iter().map(move |state| state.arms[row(robot)] == Arm::Down);
@@ -175,7 +176,8 @@ fn in_this_order(structure: &[Docked], goals: &[Docked], limits: &GoalLimits) ->
     None
 }
 
-/// Docking partner of the goal at an index: the first two begin a structure of their own, unless the first one touches another.
+/// Docking partner of the goal at an index: the first two begin a structure of their own, unless the first one touches
+/// another.
 fn partner<'a>(structure: &[Docked], goals: &'a [Docked<'a>], at: usize, docking: &Docking) -> Partner<'a> {
     let first = &goals[0];
     let is_new = structure.iter().all(|docked| !docking::touches(first, docked, docking));
@@ -186,7 +188,7 @@ fn partner<'a>(structure: &[Docked], goals: &'a [Docked<'a>], at: usize, docking
     }
 }
 
-/// Fault of goals in every possible order: that of the order that gets furthest.
+/// Fault of goals where no order is fixed: that of the greedy order that gets furthest.
 fn in_any_order(structure: &[Docked], goals: &[Docked], limits: &GoalLimits) -> Option<Diagnostic> {
     let pairs = Pairs::of(structure, goals, limits);
     let orders = (0..goals.len()).map(|first| pairs.order(first));
@@ -195,14 +197,14 @@ fn in_any_order(structure: &[Docked], goals: &[Docked], limits: &GoalLimits) -> 
     in_this_order(structure, &ordered, limits)
 }
 
-/// How goals fit to each other and to a structure, each pair computed once.
+/// Pairwise fits of goals with each other and with a structure, each computed once.
 struct Pairs {
     /// For each goal its possible partners: goals, then the structure. `None` where the two overlap.
     fits: Vec<Vec<Option<Fit>>>,
     goals: usize,
 }
 
-/// How two bodies that do not overlap meet.
+/// Fit of two bodies that do not overlap.
 #[derive(Debug, Clone, Copy)]
 struct Fit {
     meets_head_on: bool,
@@ -225,7 +227,8 @@ impl Pairs {
         Pairs { fits, goals: goals.len() }
     }
 
-    /// The goals in an order that begins with one of them and takes the next that fits as long as there is one, and the number that fit.
+    /// A greedy order of the goals that begins with one of them and takes the next that fits as long as there is one,
+    /// with the rest at the end; and the number that fit.
     fn order(&self, first: usize) -> (Vec<usize>, usize) {
         let structure = self.goals..self.fits[first].len();
         let is_new = structure.clone().all(|docked| !self.fits[first][docked].is_some_and(|fit| fit.touches));

@@ -1,4 +1,4 @@
-//! Wirings: which physical output drives which channel, and what stands between them.
+//! Wirings: the physical output that drives each channel, and the link between the two.
 
 mod spread;
 
@@ -39,7 +39,7 @@ pub struct Wiring {
 
 /// A wired channel.
 struct Wired {
-    /// The physical output as it is shown.
+    /// The physical output, by the name that is shown.
     output: String,
     /// `None` where no instrument is declared for it.
     drive: Option<Drive>,
@@ -47,7 +47,8 @@ struct Wired {
 }
 
 impl Wiring {
-    /// The physical outputs of some devices and auxiliary outputs, by the full names of their channels, and the instruments that these belong to.
+    /// The physical outputs of some devices and auxiliary outputs, by the full names of their channels, and the bench
+    /// of the instruments that these outputs belong to.
     pub fn of(&self, owners: impl Iterator<Item = DeclarationPlace>) -> (BTreeMap<String, String>, Bench) {
         let mut outputs = BTreeMap::new();
         let mut bench = Bench::default();
@@ -62,23 +63,23 @@ impl Wiring {
         (outputs, bench)
     }
 
-    /// How instruments drive the channels of a device or an auxiliary output.
+    /// The drives of the channels of a device or an auxiliary output that are wired to instruments.
     pub fn drives(&self, owner: DeclarationPlace) -> impl Iterator<Item = &Drive> {
         let wires = self.wires.get(&owner).into_iter().flatten();
         wires.filter_map(|(_, wired)| wired.drive.as_ref())
     }
 }
 
-/// What the wires of all devices share while they are being read.
+/// State shared by the wires of all devices while they are being read.
 #[derive(Default)]
 struct Outputs {
     /// Where each output is used.
     used: BTreeMap<String, Span>,
-    /// The instruments by their names, where each is declared.
+    /// The wired instruments by name, each with its declaration.
     instruments: BTreeMap<String, (DeclarationPlace, Instrument)>,
 }
 
-/// What has channels to be wired.
+/// Owner of the channels of a wiring.
 enum WiredOwner {
     Device(KindFacts),
     AuxiliaryOutput,
@@ -139,9 +140,9 @@ struct Panel {
     name: String,
     /// `None` if its figures are unknown.
     owner: Option<WiredOwner>,
-    /// Fields of all wires that do not give them themselves.
+    /// Defaults for the fields that a wire does not give itself.
     defaults: Accepted,
-    /// The names of those fields that some wire may have.
+    /// Names of the fields that apply to some wire.
     taken: BTreeSet<&'static str>,
     wired: BTreeMap<String, Wired>,
 }
@@ -155,7 +156,7 @@ struct NamedOutput {
     is_accessory: bool,
 }
 
-/// The fields of a wire as they are read.
+/// The fields of a wire, each with its scope.
 fn given_in<'f>(fields: &'f [Field], scope: &Scope) -> Vec<Given<'f>> {
     fields.iter().map(|field| Given { field, scope: scope.clone() }).collect()
 }
@@ -216,7 +217,7 @@ impl<'a> Checker<'a> {
         Some(Panel { place, name, owner, defaults, taken: BTreeSet::new(), wired: BTreeMap::new() })
     }
 
-    /// Warns of fields for all wires that none of them has: a limit that limits nothing is no protection.
+    /// Warns of default fields that apply to no wire: a limit that limits nothing is no protection.
     fn warn_of_idle_fields(&mut self, panel: &Panel) {
         let idle = panel.defaults.iter().filter(|(name, _)| !panel.wired.is_empty() && !panel.taken.contains(*name));
         for (name, field) in idle {
@@ -227,7 +228,7 @@ impl<'a> Checker<'a> {
     fn wiring_entries(&mut self, entries: &[WiringEntry], scope: &mut Scope, panel: &mut Panel, outputs: &mut Outputs) {
         for entry in entries {
             match entry {
-                // These take what all others leave.
+                // Read later: they take the outputs that all other wires leave.
                 WiringEntry::Wire(wire) if scope.is_top() && spread::is_of_all(wire) => {}
                 WiringEntry::Wire(wire) => {
                     self.wire(wire, scope, panel, outputs);
@@ -304,7 +305,8 @@ impl<'a> Checker<'a> {
         Some(())
     }
 
-    /// The instrument that the first words of a path name, and the output that the others do. `is_stage` is whether the channel moves a stage.
+    /// The instrument that the first words of a path name, and the output that the others do. `is_stage` tells whether
+    /// the channel moves a stage; `None` if that is unknown.
     fn output_of_instrument(
         &mut self,
         path: &tree::Path,
@@ -325,7 +327,7 @@ impl<'a> Checker<'a> {
             });
             return None;
         };
-        // Of a device with errors it is not known.
+        // It is unknown for a device with errors.
         let Some(link) = sort.link(is_stage?) else {
             self.sink.push(match sort {
                 OutputSort::Digital | OutputSort::Voltage | OutputSort::Accessory => {
@@ -352,7 +354,7 @@ impl<'a> Checker<'a> {
         Some((self.resolve(&own, scope, DeclarationSort::Instrument)?, words))
     }
 
-    /// Notes that an instrument is wired; `None` after an error, if another one has its name.
+    /// Records that an instrument is wired; `None` after an error, if another one has its name.
     fn enlist(&mut self, place: DeclarationPlace, instrument: Instrument, outputs: &mut Outputs) -> Option<()> {
         let (name, declared) = self.named(place);
         match outputs.instruments.get(name) {
@@ -369,7 +371,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Every numbered electrode of a board to the channel of its number.
+    /// Wires every numbered electrode of a board to the channel of its number.
     fn board_wire(
         &mut self,
         wire: &tree::Wire,
@@ -421,8 +423,8 @@ impl<'a> Checker<'a> {
         Some(())
     }
 
-    /// The finding for a bench of several instruments that the sender would start one after the other. All electrode drivers are played by
-    /// one program, on its clock.
+    /// Diagnostic for a bench of several instruments that the sender would start one after the other. Electrode drivers
+    /// alone are allowed, because one program plays all of them on its clock.
     pub fn starts_apart(&self, bench: &Bench, program: Span) -> Option<Diagnostic> {
         let mut sent: Vec<(&String, &Instrument)> =
             bench.instruments.iter().filter(|(_, instrument)| instrument.facts.start() == Start::Sender).collect();
@@ -435,7 +437,8 @@ impl<'a> Checker<'a> {
         (together != [true; 2]).then(|| errors::starts_apart(first, place(first), second, place(second), together[1]))
     }
 
-    /// What stands between a channel and its output: the wire's own fields, then those of the wiring.
+    /// The link between a channel and its output, from the wire's own fields, then from the defaults of the wiring;
+    /// `None` after an error.
     fn link(
         &mut self,
         output: &str,
@@ -502,7 +505,7 @@ impl<'a> Checker<'a> {
         Some(Link::Switch { on_v: facts.high_v })
     }
 
-    /// The axis of a controller; `None` after an error.
+    /// The link to an axis of a stage controller; `None` after an error.
     fn axis(&mut self, accepted: &Accepted, span: Span) -> Option<Link> {
         let (from, to) = (accepted.quantity("travel_from")?, accepted.quantity("travel_to")?);
         let [least_um, most_um] = [from, to].map(|end| end.in_unit("um"));
@@ -515,7 +518,7 @@ impl<'a> Checker<'a> {
         Some(Link::Axis { origin_um: accepted.length_um("origin")?, direction, least_um, most_um })
     }
 
-    /// `bl[i].set` with i = 3 is `bl3.set`.
+    /// The name of a channel or an output, its indices joined: `bl[i].set` with i = 3 is `bl3.set`.
     pub fn channel_name(&mut self, segments: &[tree::IndexedName], scope: &Scope) -> Option<String> {
         let mut words = Vec::with_capacity(segments.len());
         for segment in segments {

@@ -1,4 +1,5 @@
-//! `all -> card`: every channel that has no wire of its own, to the next free outputs of one instrument after the other.
+//! `all -> card`: wires every channel that has no wire of its own to the next free outputs of one instrument after the
+//! other.
 
 use super::{Outputs, Panel, Wired};
 use crate::check::Checker;
@@ -10,10 +11,10 @@ use crate::syntax::tree::{self, WireOutput, WiringEntry};
 /// The word that stands for all channels without a wire of their own.
 const ALL: &str = "all";
 
-/// The field that says that lines are to be taken, and not outputs of voltage.
+/// Field that selects digital lines instead of outputs of voltage.
 const SWITCHES: &str = "switches";
 
-/// Whether a wire is one of all channels.
+/// Whether a wire is for all channels.
 pub fn is_of_all(wire: &tree::Wire) -> bool {
     matches!(wire.channel.segments.as_slice(), [only] if only.name.text == ALL && only.indices.is_empty())
 }
@@ -47,7 +48,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Whether channels that are left have numbers, which are those of the driver's outputs: in their order they would go to others.
+    /// Whether some of the remaining channels are numbered, which is reported: the numbers are those of the driver's
+    /// outputs, but wired in order the channels would go to others.
     fn is_numbered(&mut self, wire: &tree::Wire, panel: &Panel, left: &[String], instrument: &str) -> bool {
         let numbered = panel.owner.as_ref().and_then(|owner| owner.numbered_channels());
         let is_left = |(channel, _): &&(String, u32)| left.contains(channel);
@@ -57,7 +59,8 @@ impl Checker<'_> {
         true
     }
 
-    /// The first of the channels that are left to the free outputs of an instrument: whether these are digital lines; `None` after an error.
+    /// Wires the first of the remaining channels to the free outputs of an instrument. Returns whether these are
+    /// digital lines; `None` after an error.
     fn fill(
         &mut self,
         wire: &tree::Wire,

@@ -246,7 +246,8 @@ fn volumes_agree_with_sums() {
     assert!((found / (8.0 * 16.0 * 12.0 * 11.0 * share) - 1.0).abs() < 1e-4);
 }
 
-/// Volumes and with them weights against how many of many random points lie within a shape, by its definition in the handbook.
+/// Compares volumes, and with them weights, with the share of random points that lie within a shape, by its definition
+/// in the handbook.
 #[test]
 fn weights_are_those_of_the_points_within_a_shape() {
     let mut random = SplitMix64::new(31);
@@ -329,7 +330,7 @@ fn the_mass_of_a_profile_is_that_of_the_points_within_it() {
         let shape = format!(
             "profile {{ x: {dx} um + 16 um * cos(t) + {bend} um * cos(2 * t), y: {dy} um + 12 um * sin(t) + {lobe} um * sin(3 * t) }}"
         );
-        // Once round in chords; the points of a grid to whose left it passes an odd number of times lie inside.
+        // The outline in chords; the points of a grid with an odd number of crossings to their left lie inside.
         let at = |nth: u32| {
             let t = f64::from(nth) / 2000.0 * 2.0 * PI;
             [dx + 16.0 * t.cos() + bend * (2.0 * t).cos(), dy + 12.0 * t.sin() + lobe * (3.0 * t).sin()]

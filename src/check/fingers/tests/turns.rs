@@ -5,7 +5,7 @@ use super::{BEAD, order};
 use crate::claims::fingers::{FingersTurn, HandPart};
 use crate::device::fingers::Plane;
 
-/// Every sequence of three turns that comes as near to a goal, none of them empty.
+/// Every sequence of three turns, none of them empty, that ends within `near_rad` of a goal.
 fn all(goal: &Orientation, part: &HandPart, near_rad: f64) -> Vec<Vec<FingersTurn>> {
     let mut found = Vec::new();
     let steps = || (-18..=18).filter(|steps| *steps != 0);

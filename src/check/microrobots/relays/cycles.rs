@@ -1,29 +1,34 @@
-//! The shortest control cycle that sets an arm pattern, from any previous positions and with every transition voltage off by
-//! less than the margin; of these, one with the greatest tolerance of its levels.
+//! Shortest control cycle that sets an arm pattern, from any previous positions and with every transition voltage off
+//! by less than the margin; of the shortest cycles, one with the greatest tolerance of its levels.
 //!
-//! The method looks back from the last level. Let the arms of set D be those that must end down, U those that must end up. Of the levels
-//! from the last back to any other, only the highest `b` and the lowest `a` matter. An arm of D is *settled* by them if its snap-down
-//! voltage + margin is at most `b`, and then no earlier level matters to it; as long as it is not, no level may release it: levels
-//! are at least L(b), the highest release voltage + margin of arms of D that are not settled. In the same way an arm of U is settled
-//! if its release voltage - margin is at least `a`, and levels are at most H(a), the lowest snap-down voltage - margin of arms of U
-//! that are not settled. A cycle is right exactly if all its levels keep to L and H, and all arms are settled in the end.
+//! Method. The cycle is built backwards from its last level. Let D be the set of arms that must end down, U the set of
+//! those that must end up. Of the levels from the last back to any other, only the highest `b` and the lowest `a`
+//! matter. An arm of D is *settled* by them if its snap-down voltage + margin is at most `b`; then no earlier level
+//! matters to it. Until it is settled, no level may release it: levels are at least L(b), the highest release voltage +
+//! margin of the unsettled arms of D. Likewise an arm of U is settled if its release voltage - margin is at least `a`,
+//! and levels are at most H(a), the lowest snap-down voltage - margin of the unsettled arms of U. A cycle is correct if
+//! and only if all its levels keep to L and H, and all arms are settled in the end.
 //!
-//! Shortest. A level between `a` and `b` settles nothing and can be left out; of two neighbours that both raise `b`, the later in
-//! time can be left out, as H(a) does not change between them; so looking back, a shortest cycle alternates between levels that
-//! lower `a` and such that raise `b`. L falls (weakly) as `b` rises, and H rises as `a` falls. So whatever a cycle does, the one that
-//! always takes L(b) when it lowers and H(a) when it raises has, level for level, an `a` as low and a `b` as high, by induction. The
-//! last level itself lowers and raises; if the one before it is higher, only how low it is matters, and it is L of all of D; else
-//! H of all of U. Both beginnings are followed, and the shorter chain is a shortest cycle. With n arms a level costs O(log n), and
-//! there are at most n + 1, as each but the last settles an arm.
+//! Shortest. A level between `a` and `b` settles nothing and can be left out. Of two neighbours that both raise `b`,
+//! the later in time can be left out, as H(a) does not change between them. So, read backwards, a shortest cycle
+//! alternates between levels that lower `a` and levels that raise `b`. L falls (weakly) as `b` rises, and H rises as
+//! `a` falls. By induction, the cycle that always takes L(b) where it lowers and H(a) where it raises has, level for
+//! level, an `a` as low and a `b` as high as any other. The last level both lowers and raises; if the one before it is
+//! higher, only how low it is matters, and it is L of all of D; otherwise it is H of all of U. Both beginnings are
+//! followed, and the shorter chain is a shortest cycle. With n arms a level costs O(log n), and there are at most n + 1
+//! levels, as each but the last settles an arm.
 //!
-//! When. If each arm of D is separated from each of U ([`VoltageTable::separates`](super::table::VoltageTable::separates)), a chain never gets stuck: among the arms that are
-//! not settled let u be that of U with the lowest snap-down voltage and d that of D with the highest release voltage; if they are
-//! separated by snap-down, raising to H settles d, and if by release, lowering to L settles u. If some d is not separated from some
-//! u, no cycle sets the pattern: a level that settles the one would disturb the other. So pairs tell which patterns can be set.
+//! Existence. If each arm of D is separated from each of U
+//! ([`VoltageTable::separates`](super::table::VoltageTable::separates)), a chain never gets stuck: among the unsettled
+//! arms let u be that of U with the lowest snap-down voltage and d that of D with the highest release voltage. If they
+//! are separated by snap-down, raising to H settles d; if by release, lowering to L settles u. If some d is not
+//! separated from some u, no cycle sets the pattern, because a level that settles the one would disturb the other. So
+//! pairs of rows decide which patterns can be set.
 //!
-//! Slack. A cycle whose levels may each be off by s is one that is right with the margin greater by s and the ends of the source's
-//! range nearer by s. So the greatest s is that with which a chain of the least length is still found: from the chain for some s
-//! follow intervals for its levels; the least half of their widths is at least s, and is the answer if nothing is found above it.
+//! Slack. A cycle whose levels may each be off by s is one that is correct with the margin greater by s and the ends of
+//! the source's range moved inwards by s. So the greatest slack is the greatest s for which a chain of the least length
+//! is still found. The chain for some s yields intervals for its levels; half of their least width is at least s, and
+//! is the answer if no chain is found for a greater s.
 
 use super::arms;
 use super::table::{Ranked, VoltageTable, middle_v, volts_v};
@@ -52,11 +57,11 @@ struct Interval {
     high: i64,
 }
 
-/// Arms of one set that are not settled, by the voltage that settles them, and their bounds on levels.
+/// Unsettled arms of one set, sorted by the voltage that settles them, with their bounds on levels.
 struct WaitingArms {
-    /// The hardest to settle first.
+    /// Settling voltages, the hardest first.
     settling: Vec<i64>,
-    /// The hardest demand of the first arm, the first two and so on.
+    /// For each prefix of the arms, their hardest demand on levels.
     demands: Vec<i64>,
 }
 
@@ -122,8 +127,8 @@ impl<'a> PatternTarget<'a> {
         Some(best)
     }
 
-    /// The chain whose levels may all be off by `slack`, if it has at most `most` levels; `side` is where the level before the last
-    /// one lies.
+    /// The chain whose levels may all be off by `slack`, if it has at most `most` levels; `side` is where the level
+    /// before the last one lies.
     fn chain(&self, side: LevelSide, slack: i64, most: usize) -> Option<ReversedCycle> {
         let (least, highest) = (slack, self.table.max - slack);
         let reach = self.table.margin + slack;
@@ -154,7 +159,7 @@ impl<'a> PatternTarget<'a> {
         None
     }
 
-    /// The levels that demand nothing of arms that are settled, and settle those that are not left.
+    /// The levels that keep to the bounds of the unsettled arms and settle those that are not left.
     fn interval(&self, [downs, downs_left]: [usize; 2], [ups, ups_left]: [usize; 2]) -> Interval {
         let margin = self.table.margin;
         let kept = self.downs.demand(downs).map_or(0, |voltage| voltage + margin);
@@ -169,8 +174,8 @@ impl<'a> PatternTarget<'a> {
 
     /// The middles of the intervals in order of time.
     ///
-    /// The first level only needs to be far enough out. If that costs no slack, it is the one that moves all arms of the table, so
-    /// that cycles have few different levels in all.
+    /// The first level only needs to be far enough out. If that costs no slack, it is the one that moves all arms of
+    /// the table, so that the cycles of a table have few different levels in all.
     fn levels_v(&self, chain: &ReversedCycle) -> Vec<f64> {
         let mut intervals = chain.intervals.clone();
         intervals.reverse();
@@ -196,7 +201,7 @@ impl<'a> PatternTarget<'a> {
 }
 
 impl WaitingArms {
-    /// From the voltages that settle the arms, hardest first, and those by which they demand.
+    /// From pairs of the voltage that settles an arm, hardest first, and the one by which it bounds levels.
     fn new(arms: impl Iterator<Item = (i64, i64)>, harder: fn(i64, i64) -> i64) -> Self {
         let (settling, mut demands): (Vec<i64>, Vec<i64>) = arms.unzip();
         for at in 1..demands.len() {

@@ -8,7 +8,7 @@ use super::{AllowedGaps, Problem, RowGap};
 pub struct Census {
     /// Faults of the row alone.
     alone: Vec<usize>,
-    /// With other rows.
+    /// Faults of pairs with other rows.
     shared: Vec<usize>,
 }
 
@@ -25,7 +25,7 @@ impl Census {
         self.alone.iter().sum::<usize>() + self.shared.iter().sum::<usize>() / 2
     }
 
-    /// The faults that a row has a part in.
+    /// Number of faults that a row takes part in.
     pub fn of_row(&self, row: usize) -> usize {
         self.alone[row] + self.shared[row]
     }

@@ -1,20 +1,21 @@
 //! The smallest change of one voltage that fixes a fault.
 //!
-//! Whether a table is right changes only where a voltage passes a limit of its row or comes two margins from one of the same sort;
-//! so just these places are tried, nearest first, each rounded away from the present voltage to the coarsest decimals that do.
+//! The validity of a table changes only where a voltage passes a limit of its row or comes two margins from another one
+//! of the same transition. Only these breakpoints are tried, nearest first, each rounded away from the present voltage
+//! to the coarsest decimals that do.
 
 use super::cycles::PatternTarget;
 use super::faults::{self, Census};
 use super::table::{VoltageTable, volts_v};
 use super::{AllowedGaps, Mend, Problem, Transition};
 
-/// Decimals that are tried: a nanovolt to a tenth of a volt.
+/// Rounding steps that are tried, in units of the table: a nanovolt to a tenth of a volt.
 const GRAINS: [i64; 5] = [2, 2_000, 2_000_000, 20_000_000, 200_000_000];
 
 /// Improvement by a change; the best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Good {
-    /// The table has no fault any more.
+    /// The table has no fault left.
     All,
     /// The fault is fixed, and the row has fewer in all.
     More,
@@ -22,7 +23,7 @@ enum Good {
     Some,
 }
 
-/// The smallest change for each fault, of those that improve it most.
+/// For each fault, the smallest of the changes that improve the table most.
 ///
 /// `problems` are all faults of the table, or as many as are to be reported.
 pub fn mends(table: &VoltageTable, gaps: AllowedGaps, problems: &[Problem]) -> Vec<Option<Mend>> {
@@ -58,14 +59,14 @@ struct Clinic<'a> {
     table: &'a VoltageTable,
     gaps: AllowedGaps,
     census: &'a Census,
-    /// Where each row stands in the order.
+    /// Rank of each row in the order of snap-down.
     ranks: &'a [usize],
     /// States that take too many levels.
     too_long: &'a [usize],
     problem: &'a Problem,
 }
 
-/// Where moving a voltage may change something.
+/// A voltage at which the validity of the table may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct VoltageBreakpoint {
     row: usize,
@@ -81,7 +82,7 @@ impl VoltageBreakpoint {
         (self.to - self.from).abs()
     }
 
-    /// The two nearest round voltages that lie at the place or beyond.
+    /// The two nearest multiples of a rounding step that lie at the breakpoint or beyond.
     fn rounded(&self, grain: i64) -> [i64; 2] {
         let steps = (self.to * self.way).div_euclid(grain) + i64::from((self.to * self.way).rem_euclid(grain) != 0);
         [steps * grain * self.way, (steps + 1) * grain * self.way]
@@ -89,7 +90,8 @@ impl VoltageBreakpoint {
 }
 
 impl Clinic<'_> {
-    /// Excess over a change with some improvement within which a change with a greater one is sought, in units of the table.
+    /// Greatest excess over a change with some improvement at which a change with a greater improvement is still
+    /// sought, in units of the table.
     fn patience(&self, good: Good) -> i64 {
         match (good, self.problem.state()) {
             (Good::All, _) => 0,
@@ -98,7 +100,7 @@ impl Clinic<'_> {
         }
     }
 
-    /// The voltages that have a part in the fault.
+    /// The voltages involved in the fault.
     fn voltages(&self) -> Vec<(usize, Transition)> {
         let both = |row: usize| [(row, Transition::SnapDown), (row, Transition::Release)];
         match *self.problem {
@@ -128,7 +130,7 @@ impl Clinic<'_> {
         limits.into_iter().chain(others).filter(|to| (0..=table.max).contains(to)).flat_map(place).collect()
     }
 
-    /// The coarsest voltage at a place that does as much good as one just there.
+    /// The coarsest voltage at a breakpoint that improves the table as much as the finest one there.
     fn tried(&self, place: VoltageBreakpoint) -> Option<(Good, i64)> {
         let mut changed = self.table.clone();
         let mut good_of = |to: i64| {
@@ -186,13 +188,13 @@ impl Clinic<'_> {
         }
     }
 
-    /// The same of one state.
+    /// Whether one state has a cycle that is short enough after a change in a row.
     fn is_short(&self, changed: &VoltageTable, row: usize, state: usize) -> bool {
         let is_down: Vec<bool> = (0..changed.len()).map(|other| self.rank(changed, row, other) < state).collect();
         PatternTarget::new(changed, &changed.ranked(), &is_down).length() <= changed.most_levels
     }
 
-    /// Where a row stands in the order after a change in one.
+    /// Rank of a row in the order after a change in another one or in itself.
     fn rank(&self, changed: &VoltageTable, row: usize, of: usize) -> usize {
         match of == row {
             true => changed.rank(row),

@@ -1,10 +1,11 @@
-//! Which arm patterns one voltage can set, and by which levels.
+//! Analysis of a relay table: the arm patterns that one voltage can set, and the levels that set them.
 //!
-//! Input: the voltages of a table and the limits of the source. Output: [`Analysis`], the control states with a shortest control
-//! cycle each, or the faults of the table and the smallest change of one voltage that fixes it.
+//! Input: the voltages of a table and the limits of the source. Output: [`Analysis`], the control states with a
+//! shortest control cycle each, or the faults of the table and the smallest change of one voltage that fixes it.
 //!
-//! Voltages are compared as whole numbers (`table::VoltageTable`), so that a gap of exactly two margins is one. The patterns that can be
-//! set follow from pairs of rows (`table::VoltageTable::separates`); `cycles` proves how, and why no others can.
+//! Voltages are compared as whole numbers (`table::VoltageTable`), so that a gap of exactly two margins counts as two
+//! margins. The patterns that can be set follow from pairs of rows (`table::VoltageTable::separates`); `cycles` proves
+//! how, and why no others can.
 
 mod cycles;
 mod faults;
@@ -42,7 +43,7 @@ pub struct Source {
     pub most_levels: usize,
 }
 
-/// Which tables are allowed.
+/// Tables that are allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AllowedGaps {
     /// Strictly non-nested hysteresis gaps: a chain of n + 1 states.
@@ -66,12 +67,12 @@ pub struct Mend {
     pub to_v: f64,
 }
 
-/// Something wrong with the table.
+/// Fault of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableFault {
     pub problem: Problem,
-    /// The smallest change of one voltage after which the table has no fault; if there is none, the smallest that fixes this
-    /// fault. Rounded so that it still holds when typed in. `None` if no single voltage fixes it.
+    /// The smallest change of one voltage after which the table has no fault; if there is none, the smallest that fixes
+    /// this fault. Rounded so that it still holds when typed in. `None` if no single voltage fixes it.
     pub mend: Option<Mend>,
 }
 
@@ -101,16 +102,18 @@ pub enum Problem {
     Narrow { row: usize, gap_v: f64, least_v: f64 },
     /// `outer` snaps down after `inner` and is released after it too, both by `least_v` (two margins) or more.
     Nested { outer: usize, inner: usize, snap_down_gap_v: f64, release_gap_v: f64, least_v: f64 },
-    /// Neither voltages are `least_v`, two margins, apart: no level moves one arm without the other. Gaps are absolute.
+    /// Neither the snap-down nor the release voltages are `least_v`, two margins, apart: no level moves one arm without
+    /// the other. Gaps are absolute.
     Alike { one: usize, other: usize, snap_down_gap_v: f64, release_gap_v: f64, least_v: f64 },
-    /// The state that lowers the first `state` arms takes `levels` levels, more than allowed, because neither gap is `least_v`.
+    /// The state that lowers the first `state` arms takes `levels` levels, more than allowed, because neither gap is
+    /// `least_v`.
     NoSequence { state: usize, levels: usize, snap_down: RowGap, release: RowGap, least_v: f64 },
     /// More than [`MAX_STATES`] control states.
     Crowd { most: usize },
 }
 
 impl Problem {
-    /// The state that it is about.
+    /// The control state that it is about.
     fn state(&self) -> Option<usize> {
         match *self {
             Problem::NoSequence { state, .. } => Some(state),
@@ -131,8 +134,8 @@ impl Problem {
 pub struct Analysis {
     /// The row that snaps first, second and so on; empty where the table is not STRING.
     pub order: Vec<usize>,
-    /// Empty after a fault. With [`AllowedGaps::String`] state j lowers the first j arms of `order`; with [`AllowedGaps::Any`] they are
-    /// sorted by the number of arms that are down, then by their digits.
+    /// Empty after a fault. With [`AllowedGaps::String`] state j lowers the first j arms of `order`; with
+    /// [`AllowedGaps::Any`] they are sorted by the number of arms that are down, then by their digits.
     pub states: Vec<ControlState>,
     pub faults: Vec<TableFault>,
     /// Faults beyond [`MAX_FAULTS`].
@@ -187,7 +190,7 @@ fn string(table: &VoltageTable, order: Vec<usize>) -> Analysis {
     }
 }
 
-/// All patterns of a table, of whatever form.
+/// All accessible patterns of a table, STRING or not.
 fn any(table: &VoltageTable, order: Vec<usize>) -> Analysis {
     let Some(patterns) = patterns::accessible(table, MAX_STATES) else {
         let faults = vec![TableFault { problem: Problem::Crowd { most: MAX_STATES }, mend: None }];

@@ -1,8 +1,9 @@
 //! All arm patterns that can be set.
 //!
-//! An arm that is down keeps down every arm that it is not separated from, and so on: the patterns that can be set are those
-//! closed under this (proof in `cycles`). They are listed by deciding one arm after the other and its consequences, so
-//! that no decision is ever taken back, and n arms cost O(n) for each pattern.
+//! An arm that is down keeps down every arm that it is not separated from, and so on transitively: the patterns that
+//! can be set are those closed under this relation (proof in `cycles`). They are enumerated by deciding one arm after
+//! the other together with its consequences, so that no decision is ever taken back, and n arms cost O(n) for each
+//! pattern.
 
 use super::table::VoltageTable;
 
@@ -36,7 +37,7 @@ pub fn accessible(table: &VoltageTable, most: usize) -> Option<Vec<Vec<bool>>> {
     Some(patterns)
 }
 
-/// For each row those that are down when it is, itself among them.
+/// For each row, the rows that are down when it is, itself included.
 fn kept_down(table: &VoltageTable) -> Vec<RowMask> {
     let rows = 0..table.len();
     let direct = |row: usize| rows.clone().filter(move |other| !table.separates(row, *other));
@@ -53,7 +54,7 @@ fn kept_down(table: &VoltageTable) -> Vec<RowMask> {
     kept
 }
 
-/// The rows whose mask has a bit.
+/// The rows whose mask has a given bit.
 fn column(masks: &[RowMask], bit: usize) -> RowMask {
     masks.iter().enumerate().fold(0, |rows, (row, mask)| rows | (mask >> bit & 1) << row)
 }

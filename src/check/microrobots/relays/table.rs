@@ -1,4 +1,4 @@
-//! A table of voltages in whole numbers.
+//! Voltages of a table as integers.
 
 use super::{RelayRow, Source, Transition};
 
@@ -6,10 +6,10 @@ use super::{RelayRow, Source, Transition};
 /// a whole number too.
 pub const UNITS_PER_VOLT: f64 = 2e9;
 
-/// A nanovolt.
+/// Least margin: a nanovolt.
 const LEAST_MARGIN: i64 = 2;
 
-/// Larger voltages are cut off here: sums of some of them stay within 64 bits.
+/// Greatest voltage, to which larger ones are clamped: sums of some of them stay within 64 bits.
 const MOST_V: f64 = 1e8;
 
 /// The voltages of a table and its source, in units of half a nanovolt.
@@ -25,7 +25,7 @@ pub struct VoltageTable {
     pub most_levels: usize,
 }
 
-/// The rows of a table by their voltages.
+/// The rows of a table, sorted by voltage.
 pub struct Ranked {
     /// The highest snap-down voltage first.
     pub snap_downs: Vec<usize>,
@@ -50,13 +50,15 @@ impl VoltageTable {
         self.snap_downs.len()
     }
 
-    /// Whether some level moves the arm of `up` and for certain not that of `down`, which is then down while `up` is up.
+    /// Whether some level moves one of two arms and for certain not the other, so that `down` is down while `up` is up:
+    /// it lowers `down` but not `up`, or raises `up` but not `down`.
     pub fn separates(&self, down: usize, up: usize) -> bool {
         let gap = 2 * self.margin;
         self.snap_downs[up] - self.snap_downs[down] >= gap || self.releases[up] - self.releases[down] >= gap
     }
 
-    /// The rows such that each is separated from all later ones and from no earlier one; `None` if no order is such.
+    /// The rows in the order of snap-down: each can be down while a later one is up, and never the reverse; `None` if
+    /// there is no such order.
     pub fn order(&self) -> Option<Vec<usize>> {
         let mut order: Vec<Option<usize>> = vec![None; self.len()];
         for (row, rank) in self.ranks().into_iter().enumerate() {
@@ -73,7 +75,7 @@ impl VoltageTable {
         (0..self.len()).map(|row| self.rank(row)).collect()
     }
 
-    /// Number of others that can be down while this row is up: its place, if rows form an order.
+    /// Number of others that can be down while this row is up: its rank, if the rows have an order.
     pub fn rank(&self, row: usize) -> usize {
         (0..self.len()).filter(|other| *other != row && self.separates(*other, row)).count()
     }

@@ -1,16 +1,16 @@
-//! A table of voltages for a number of robots: the one whose smallest slack is greatest.
+//! Suggests a table of voltages for a number of robots: the one whose smallest slack is greatest.
 //!
-//! Input: margin, range and drive levels of a source. Output: [`Suggestion`]. Promise: no table has a greater slack, and no table
-//! has more robots than `most`, among STRING tables whose control cycles have at most two levels. (Longer cycles set the states
-//! of somewhat larger tables, which are not searched here.)
+//! Input: margin, range and drive levels of a source. Output: [`Suggestion`]. Promise: no table has a greater slack,
+//! and no table has more robots than `most`, among STRING tables whose control cycles have at most two levels. (Longer
+//! cycles set the states of somewhat larger tables, which are not searched here.)
 //!
-//! With two levels each of the n - 1 states between the first and the last needs a gap of 2 (margin + s) between the arms that
-//! are down and those that are up, in snap-down or in release, if its slack is to be s. Let p of them be gaps in snap-down and
-//! q = n - 1 - p in release. The first and the last state need 2 s between the least release voltage - margin and 0 V, and between
-//! the greatest snap-down voltage + margin and the maximum. So s is at most (m - f - 3 d - 2 d p) / (2 p + 2) and at most
-//! (r - 3 d - 2 d q) / (2 q + 2), where d is the margin, m the maximum, f the flex level and r the relax level. Equal steps reach
-//! the smaller of the two, and the best p is found by trying all. Where f - r alone is given, both bounds together allow
-//! s = (m - (f - r) - 6 d - 2 d (n - 1)) / (2 n + 2), whatever p.
+//! With two levels each of the n - 1 states between the first and the last needs a gap of 2 (margin + s) between the
+//! arms that are down and those that are up, in snap-down or in release, if its slack is to be s. Let p of them be gaps
+//! in snap-down and q = n - 1 - p in release. The first and the last state need 2 s between the least release voltage -
+//! margin and 0 V, and between the greatest snap-down voltage + margin and the maximum. So s is at most (m - f - 3 d -
+//! 2 d p) / (2 p + 2) and at most (r - 3 d - 2 d q) / (2 q + 2), where d is the margin, m the maximum, f the flex level
+//! and r the relax level. Equal steps reach the smaller of the two, and the best p is found by trying all. Where f - r
+//! alone is given, both bounds together allow s = (m - (f - r) - 6 d - 2 d (n - 1)) / (2 n + 2), whatever p.
 
 use super::relays::table::units;
 use super::relays::{AllowedGaps, RelayRow, Source, analyse};
@@ -19,7 +19,7 @@ use crate::device::microrobots::MAX_ROBOTS;
 /// Decimals of the voltages: the coarsest that cost little slack are taken. The last is the resolution of comparisons.
 const GRAINS_V: [f64; 5] = [1e-1, 1e-2, 1e-3, 1e-6, 1e-9];
 
-/// Share of the greatest slack that round figures must keep.
+/// Share of the greatest slack that rounded voltages must keep.
 const KEPT: f64 = 0.99;
 
 /// Limits of a suggestion.
@@ -34,7 +34,7 @@ pub struct SuggestLimits {
     pub swing_v: f64,
 }
 
-/// A table and its promises.
+/// Suggested table, with its slack.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Suggestion {
     /// The largest number of robots that fits, up to [`crate::device::microrobots::MAX_ROBOTS`].
@@ -48,7 +48,7 @@ pub struct Suggestion {
     pub slack_v: f64,
 }
 
-/// The STRING table of `robots` robots whose smallest slack is greatest, in round figures.
+/// The STRING table of `robots` robots whose smallest slack is greatest, in rounded voltages.
 pub fn suggest(robots: usize, limits: SuggestLimits) -> Suggestion {
     let most = most(limits);
     let best_v = best_slack_v(robots, limits);
@@ -118,7 +118,7 @@ fn step_slack_v(room_v: f64, steps: usize, limits: SuggestLimits) -> f64 {
     (room_v - 2.0 * limits.margin_v * steps as f64) / (2.0 * steps as f64 + 2.0)
 }
 
-/// The best table with voltages rounded to a grain, if that is one.
+/// The best table with voltages rounded to a grain; without a table if rounding makes it invalid.
 fn fitted(robots: usize, limits: SuggestLimits, grain_v: f64) -> Suggestion {
     let drive_v = limits.drive_v.unwrap_or_else(|| chosen_v(robots, limits, grain_v));
     let rows = rows(robots, limits, drive_v, grain_v);

@@ -159,7 +159,7 @@ fn wild_figures_are_no_panic() {
     assert_eq!(analyse(&rows(&[(110.0, 20.0); 128]), SOURCE, AllowedGaps::Any).states.len(), 2);
 }
 
-/// Count of each outcome.
+/// Number of tables with each outcome.
 #[derive(Debug, Default)]
 struct Tally {
     valid: usize,
@@ -226,7 +226,8 @@ fn agree(table: &[RelayRow], source: Source, slacks: bool, tally: &mut Tally) {
     tally.too_long += has(|problem| matches!(problem, Problem::NoSequence { .. }));
 }
 
-/// Levels may be off by the slack, each for itself; with more, no cycle of that length does.
+/// Checks that each level may be off by the slack, independently of the others, and that no cycle of that length allows
+/// more.
 fn best_slack(bed: &Bed, table: &[RelayRow], source: Source, state: &ControlState) {
     for signs in 0..1 << state.levels_v.len().min(6) {
         let off =

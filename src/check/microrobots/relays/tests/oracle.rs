@@ -1,4 +1,5 @@
-//! Relays by simulation: every arm from both states and with its voltages at every corner of the margin, one bit for each.
+//! Simulation of relays: every arm from both states and with its voltages at every corner of the margin, one bit for
+//! each combination.
 
 use super::{AllowedGaps, PatternTarget, RelayRow, Source, VoltageTable, faults};
 use rustc_hash::FxHashMap;
@@ -17,7 +18,7 @@ type Arms = u128;
 pub struct Bed {
     rows: Vec<RelayRow>,
     corner_v: f64,
-    /// Levels with distinct effects, with the arms that they let down and up.
+    /// Levels with distinct effects, as the arms that each lowers and raises.
     levels: Vec<(Arms, Arms)>,
 }
 
@@ -37,7 +38,7 @@ impl Bed {
         bed
     }
 
-    /// The arms that a level lets down and up.
+    /// The arms that a level lowers and raises.
     fn effect(&self, level_v: f64) -> (Arms, Arms) {
         let (mut down, mut up) = (0, 0);
         for (at, row) in self.rows.iter().enumerate() {
@@ -60,7 +61,7 @@ impl Bed {
         (0..self.rows.len()).fold(0, |arms, row| arms | half << (row * COPIES))
     }
 
-    /// The pattern of arms of which all of a row agree.
+    /// The pattern of arms, if all copies of each row agree.
     fn pattern(&self, arms: Arms) -> Option<String> {
         let all = (1 << COPIES) - 1;
         let digit = |row: usize| match arms >> (row * COPIES) & all {
@@ -80,7 +81,7 @@ impl Bed {
         self.pattern(levels_v.iter().fold(self.first(), step))
     }
 
-    /// Every pattern that some levels set from every arm state at every corner, and how few do.
+    /// Every pattern that some levels set from every arm state at every corner, and the least number of levels that do.
     pub fn accessible(&self) -> BTreeMap<String, usize> {
         let mut lengths: FxHashMap<Arms, usize> = FxHashMap::from_iter([(self.first(), 0)]);
         let mut open = VecDeque::from([self.first()]);
@@ -120,7 +121,7 @@ pub fn is_chain(patterns: &[String], robots: usize) -> bool {
     sorted.iter().map(count).eq(0..=robots) && sorted.windows(2).all(contains)
 }
 
-/// Section 1.5, step 0, as it stands.
+/// Step 0 of the validity algorithm in section 1.5 of the design's models, taken literally.
 pub fn breaks_limits(row: RelayRow, source: Source) -> bool {
     let gap_v = 2.0 * source.margin_v;
     row.snap_down_v - row.release_v < gap_v
@@ -157,7 +158,7 @@ fn has_short_cycles(table: &VoltageTable) -> bool {
     })
 }
 
-/// Numbers from a seed: xorshift.
+/// Xorshift random numbers from a seed.
 pub struct Random(pub u64);
 
 impl Random {
@@ -173,7 +174,8 @@ impl Random {
         (least + self.below((most - least + 1) as u64) as i64) as f64
     }
 
-    /// A table of at most `most` robots whose neighbours are about two margins apart, and a source with nearly tight limits.
+    /// A table of at most `most` robots whose neighbours are about two margins apart, and a source with nearly tight
+    /// limits.
     pub fn table(&mut self, most: u64) -> (Vec<RelayRow>, Source) {
         let margin_v = [0.5, 1.0, 2.0, 4.0][self.below(4) as usize];
         let grain_v = margin_v / [1.0, 2.0, 4.0][self.below(3) as usize];
