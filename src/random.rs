@@ -1,7 +1,7 @@
 //! Seeded random numbers, the same on every machine.
 //!
-//! Source: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014; the constants are those of its
-//! reference implementation.
+//! Source: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014; the constants are those
+//! of its reference implementation.
 
 /// A stream of random numbers.
 #[derive(Debug, Clone)]

@@ -370,7 +370,7 @@ pub enum Sort {
     Contacts,
     /// An orientation in space: `euler(…)` or `quaternion(…)`.
     Orientation,
-    /// A length as an expression of the angle `t`, which goes once round from 0 deg to 360 deg.
+    /// A length as an expression of the angle `t`, from 0 deg to 360 deg.
     Curve,
     /// A string, as the name of a file.
     Text,

@@ -1,7 +1,7 @@
 //! Dimensions, units and typed quantities: parsing and printing with SI prefixes.
 //!
-//! A [`Quantity`] is a number in SI base units with its [`Dimension`]. Decimal prefixes are applied to the digits before they
-//! become binary, so `35 um` is the double nearest to 35·10⁻⁶ and not a rounded product.
+//! A [`Quantity`] is a number in SI base units with its [`Dimension`]. Decimal prefixes are applied to the digits
+//! before they become binary, so `35 um` is the double nearest to 35·10⁻⁶ and not a rounded product.
 
 mod figures;
 pub(crate) mod slip;

@@ -1,8 +1,9 @@
 //! A hand: fingers on translation stages that hold a micro-object between their tips and turn it.
 //!
-//! Facts, frames and vocabulary of the kind. Tips are spheres that translate and never turn; the object rolls on them. Source of the
-//! model: Kumar, Gauthier, Dahmouche, *Path planning for 3-D in-hand manipulation of micro-objects using rotation decomposition*,
-//! Micromachines 12(8), 986, 2021. Doc comments say where an error of that text is corrected.
+//! Facts, frames and vocabulary of the kind. Tips are spheres that translate and never turn; the object rolls on
+//! them. Source of the model: Kumar, Gauthier, Dahmouche, *Path planning for 3-D in-hand manipulation of
+//! micro-objects using rotation decomposition*, Micromachines 12(8), 986, 2021. Doc comments say where an error of
+//! that text is corrected.
 
 pub use super::shape::Plane;
 use crate::geometry::fault::{Fault, through};

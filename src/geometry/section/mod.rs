@@ -1,8 +1,8 @@
 //! Intersections of axis-parallel lines and rectangles with a [`Rounded`] body.
 //!
-//! Input: a body and a line `y = at` (along x) or `x = at` (along y), or a rectangle. Output: the closed intervals of the line inside
-//! the body, or whether the closed rectangle touches the closed body. Promise: exact for every form up to the rounding of `f64`;
-//! the intervals of one body may overlap each other and are not sorted.
+//! Input: a body and a line `y = at` (along x) or `x = at` (along y), or a rectangle. Output: the closed intervals of
+//! the line inside the body, or whether the closed rectangle touches the closed body. Promise: exact for every form
+//! up to the rounding of `f64`; the intervals of one body may overlap each other and are not sorted.
 
 use super::distance::{Segment, edges, inside, point_segment_squared};
 use super::shape::{Core, Rounded};
