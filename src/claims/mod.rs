@@ -260,7 +260,7 @@ pub trait KindOrder {
 }
 
 impl Order {
-    /// The order as its kind.
+    /// The order through the interface that all kinds share.
     pub fn asked(&self) -> &dyn KindOrder {
         each_kind!(Order, self, order => order)
     }

@@ -95,7 +95,7 @@ pub(crate) use {each_kind, for_each_kind};
 for_each_kind!(kinds, {});
 
 impl Kind {
-    /// The kind's word in the language.
+    /// The kind's name in the language.
     pub fn name(self) -> &'static str {
         self.vocabulary().name
     }
@@ -372,7 +372,7 @@ pub enum Sort {
     Orientation,
     /// A length as an expression of the angle `t`, from 0 deg to 360 deg.
     Curve,
-    /// A string, as the name of a file.
+    /// A string, such as the name of a file.
     Text,
     /// The name of a file that describes a board of electrodes.
     Board(BoardLimits),

@@ -18,7 +18,7 @@ words! {
 }
 
 words! {
-    /// A figure of a plan.
+    /// An outcome of a plan.
     pub enum FingersOutcome {
         Effort = "effort": "the turn of every step times the fingers that roll, and the gaiting cost of each finger placed or removed",
         Reconfigurations = "reconfigurations": "fingers placed or removed, without those of the first grasp and of `release`",

@@ -118,7 +118,7 @@ pub struct CommandLine {
 pub enum CommandWord {
     /// Play the segments one after the other, then the relax level.
     Drive,
-    /// 0 V until an instant.
+    /// 0 V until `until_ns`.
     Rest,
     /// The last command is still in force.
     Continue,
@@ -139,7 +139,7 @@ pub struct SegmentLine {
     pub strokes: u64,
 }
 
-/// A line of an exchange.
+/// A line of the control protocol.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ControlLine {
     Measured(MeasuredLine),
