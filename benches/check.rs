@@ -1,7 +1,7 @@
-//! Reading, formatting and checking a generated program of 10,000 steps, judging a crowded scene, and drawing reports on a large file: the
-//! median of several runs, in milliseconds.
+//! Parses and formats a generated program of 10,000 steps, checks a crowded scene, and renders reports on a large
+//! file. Prints the median of several runs, in milliseconds.
 //!
-//! `cargo bench --bench check`. The text comes from a fixed seed. There is no public library that does the same work.
+//! `cargo bench --bench check`. The text comes from a fixed seed. No public library does the same work.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -51,7 +51,7 @@ fn main() {
     println!("{REPORTS} reports on a file of 10 MB: {drawing:6.1} ms");
 }
 
-/// Moves among 200 obstacle cells, none of them onto one.
+/// Moves among 200 obstacle cells; no goal is an obstacle cell.
 fn program() -> String {
     let mut text = "use std.dimibot\ndevice bot : dimibot.femto_st { left: 10, right: 10 }\n".to_owned();
     text.push_str("scene bench { for i in 0..200 { obstacle d[i] at (5*i, 3*i + 1) } }\ntask walk on bot in bench {\n  start at (2, 0)\n");
@@ -65,7 +65,7 @@ fn program() -> String {
     text
 }
 
-/// As many steps among 50,000 discs, some of them onto one.
+/// The same number of steps among 50,000 discs; some goals are covered.
 fn crowded() -> String {
     let mut text =
         "use std.dimibot\ndevice bot : dimibot.femto_st { left: 10, right: 10, repeatability: 1 nm }\n".to_owned();
@@ -82,7 +82,7 @@ fn crowded() -> String {
     text
 }
 
-/// Draws reports all over a file.
+/// Renders reports at places all over a file.
 fn report(sources: &Sources) {
     let look = Look { colour: Colour::Plain, characters: Characters::Unicode, width: 100 };
     for number in 0..REPORTS {

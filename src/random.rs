@@ -1,9 +1,9 @@
-//! Random numbers that a seed determines, the same on every machine.
+//! Seeded random numbers, the same on every machine.
 //!
-//! Source: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014; the constants are those of its
-//! reference implementation.
+//! Source: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, OOPSLA 2014; the constants are those
+//! of its reference implementation.
 
-/// A stream of numbers.
+/// A stream of random numbers.
 #[derive(Debug, Clone)]
 pub struct SplitMix64(u64);
 
@@ -13,7 +13,7 @@ impl SplitMix64 {
         SplitMix64(seed)
     }
 
-    /// One of many streams of a seed, which depends on its index alone.
+    /// One of many streams of a seed, selected by its index.
     pub fn stream(seed: u64, index: u64) -> SplitMix64 {
         let begin = SplitMix64(seed).next_u64();
         SplitMix64(begin ^ index.wrapping_mul(0xD134_2543_DE82_EF95))
@@ -29,18 +29,18 @@ impl SplitMix64 {
         mixed ^ (mixed >> 31)
     }
 
-    /// A number below `count`, which is at least 1.
+    /// A random number below `count`, which is at least 1.
     #[inline]
     pub fn below(&mut self, count: usize) -> usize {
         ((u128::from(self.next_u64()) * count as u128) >> 64) as usize
     }
 
-    /// A number from 0 to 1, the latter left out.
+    /// A random number in [0, 1).
     pub fn unit(&mut self) -> f64 {
         (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A number from -1 to 1, the latter left out.
+    /// A random number in [-1, 1).
     pub fn signed_unit(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }
@@ -50,7 +50,7 @@ impl SplitMix64 {
         [-1.0, 0.0, 1.0][(self.next_u64() % 3) as usize]
     }
 
-    /// Brings items into a random order, each as likely as every other (Fisher and Yates).
+    /// Shuffles items, every order being equally likely (Fisher and Yates).
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for last in (1..items.len()).rev() {
             items.swap(last, self.below(last + 1));

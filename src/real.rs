@@ -1,8 +1,9 @@
 //! Elementary functions of real numbers that give the same bits on every platform.
 //!
-//! The functions of the standard library call whatever mathematics the platform links, which differs in the last digits from one C
-//! library to the next; a plan, a file or a verdict that hangs on such a digit would differ with it. These come from the pure-Rust
-//! `libm`, and `clippy.toml` forbids the others. Arithmetic, square roots and rounding are exact by IEEE 754 and stay as they are.
+//! The functions of the standard library call whatever mathematics library the platform links, and these differ in
+//! the last digits; a plan, a file or a verdict that depends on such a digit would differ too. These functions come
+//! from the pure-Rust `libm`, and `clippy.toml` forbids the others. Arithmetic, square roots and rounding are exact
+//! by IEEE 754 and stay as they are.
 
 /// Elementary functions; angles are in radians.
 pub trait Real {
@@ -14,12 +15,12 @@ pub trait Real {
     fn arc_sine(self) -> f64;
     /// The angle of the point (`x`, `self`), in -π to π.
     fn arc_tangent_over(self, x: f64) -> f64;
-    /// The length of the hypotenuse over two legs, without overflow on the way.
+    /// The length of the hypotenuse over two legs, without intermediate overflow.
     fn hypotenuse(self, other: f64) -> f64;
-    /// e to the power of it.
+    /// e to the power of `self`.
     fn exponential(self) -> f64;
     fn natural_logarithm(self) -> f64;
-    /// The natural logarithm of 1 more, exact near 0.
+    /// The natural logarithm of 1 + `self`, accurate near 0.
     fn natural_logarithm_of_one_plus(self) -> f64;
     /// The logarithm to base 10.
     fn common_logarithm(self) -> f64;

@@ -1,23 +1,23 @@
-//! Files, spans and the line/column arithmetic: the only place for it.
+//! Files, spans and line/column arithmetic; no other module does this arithmetic.
 //!
-//! A [`Span`] is a range of bytes in one file of a [`Sources`]; everything else in the compiler carries spans and asks
-//! here when a person wants a line and a column.
+//! A [`Span`] is a range of bytes in one file of a [`Sources`]; everything else in the compiler carries spans and
+//! converts them here to the lines and columns of messages.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
 
-/// The largest file that is read, in bytes: spans count bytes in `u32`, and a script of this size is a mistake.
+/// Largest file that is read, in bytes: spans count bytes in `u32`, and a script of this size is a mistake.
 pub const MAX_FILE_BYTES: usize = 16 * 1024 * 1024;
 
-/// What stands before the name in that of a setting's file.
+/// Prefix of the file name of a setting.
 const SETTING: &str = "--set ";
 
-/// Names one file of a [`Sources`].
+/// Identifies one file of a [`Sources`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct FileId(pub u32);
 
-/// A range of bytes `start..end` in one file; `start <= end`, both on character borders.
+/// A range of bytes `start..end` in one file; `start <= end`, both on character boundaries.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct Span {
     pub file: FileId,
@@ -59,18 +59,18 @@ impl Span {
     }
 }
 
-/// A line and a column as people count them: from 1, columns in characters.
+/// A line and a column, both from 1; columns count characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Position {
     pub line: u32,
     pub column: u32,
 }
 
-/// Where a file comes from.
+/// Origin of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Origin {
     User,
-    /// The standard library: taken as it is, never warned of.
+    /// The standard library: taken as it is, without warnings.
     Library,
     /// The value of a `--set`.
     Setting,
@@ -79,10 +79,10 @@ pub enum Origin {
 /// One file of a program.
 #[derive(Debug, Clone)]
 pub struct SourceFile {
-    /// The name that outputs carry: seen from the program's folder (`bench.twz`, `../lab/bench.twz`), with `/` on every system, so
-    /// that it does not hang on where the program lies; `std.dimibot` for the standard library.
+    /// The name in outputs: relative to the program's folder (`bench.twz`, `../lab/bench.twz`), with `/` on every
+    /// system, so that outputs do not depend on where the program is; `std.dimibot` for the standard library.
     pub name: String,
-    /// The name that messages show: the path as it was typed, or as it follows from that.
+    /// The name in messages: the path as it was typed, or derived from that.
     pub shown: String,
     pub origin: Origin,
     pub text: Arc<str>,
@@ -105,12 +105,12 @@ impl SourceFile {
         Position { line: line as u32 + 1, column }
     }
 
-    /// Where the text begins that editors show: behind a mark of the order of bytes.
+    /// Offset of the text that editors show: after a byte order mark.
     pub fn start(&self) -> usize {
         if self.text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 }
     }
 
-    /// The bytes of a line, counted from 1, as editors show it, without its line end; `None` past the last line.
+    /// The byte range of a line, counted from 1, as editors show it, without its line end; `None` past the last line.
     pub fn line(&self, number: u32) -> Option<std::ops::Range<usize>> {
         let index = (number as usize).checked_sub(1)?;
         let start = (*self.line_starts.get(index)? as usize).max(self.start());
@@ -120,8 +120,9 @@ impl SourceFile {
     }
 }
 
-/// The name of the file that `path` names in the file named `from`, both with `/`: without `.` and `folder/..`, so that one file has
-/// one name. A path from the root of the disk stays one; it stands in the program's text, and so is the same wherever that lies.
+/// Resolves `path` relative to the file named `from`, both with `/`, and removes `.` and `folder/..`, so that one
+/// file has one name. An absolute path stays absolute: it is part of the program's text, and so the same wherever the
+/// program is.
 pub fn beside(from: &str, path: &str) -> String {
     let is_absolute = path.starts_with('/') || std::path::Path::new(path).is_absolute();
     let folder = from.rfind('/').map_or("", |end| &from[..=end]);
@@ -140,26 +141,26 @@ pub fn beside(from: &str, path: &str) -> String {
     format!("{root}{}", parts.join("/"))
 }
 
-/// All files of one compilation, in the order in which they were met; the first is the program's own.
+/// All files of one compilation, in the order in which they were loaded; the first is the program's own.
 #[derive(Debug, Clone, Default)]
 pub struct Sources {
     files: Vec<SourceFile>,
 }
 
 impl Sources {
-    /// Adds a file of the user that messages and outputs call by one name, and returns its id.
+    /// Adds a file of the user with one name for messages and outputs; returns its id.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> FileId {
         let name = name.into();
         self.add_as(name.clone(), name, Origin::User, text)
     }
 
-    /// Adds a file with the name for outputs, the name for messages, and who wrote it; returns its id.
+    /// Adds a file with its name for outputs, its name for messages, and its origin; returns its id.
     pub fn add_as(&mut self, name: String, shown: String, origin: Origin, text: impl Into<Arc<str>>) -> FileId {
         self.files.push(SourceFile::new(name, shown, origin, text.into()));
         FileId(self.files.len() as u32 - 1)
     }
 
-    /// The file of an id that this collection gave out.
+    /// The file of an id that this collection returned.
     pub fn file(&self, id: FileId) -> &SourceFile {
         &self.files[id.0 as usize]
     }
@@ -169,13 +170,13 @@ impl Sources {
         self.files.iter().enumerate().map(|(index, file)| (FileId(index as u32), file))
     }
 
-    /// Adds the value that a `--set` gives to a name.
+    /// Adds the value of a `--set`, as a file of its own.
     pub fn add_setting(&mut self, name: &str, value: &str) -> FileId {
         let shown = format!("{SETTING}{name}");
         self.add_as(shown.clone(), shown, Origin::Setting, value)
     }
 
-    /// The names and values of `--set`, as they were given.
+    /// The names and values of `--set`, in the order given.
     pub fn settings(&self) -> impl Iterator<Item = (&str, &str)> {
         let settings = self.files.iter().filter(|file| file.origin == Origin::Setting);
         settings.map(|file| (file.name.trim_start_matches(SETTING), &*file.text))
@@ -186,13 +187,13 @@ impl Sources {
         &self.file(span.file).text[span.range()]
     }
 
-    /// Where a span begins, for people.
+    /// Line and column of the beginning of a span.
     pub fn position(&self, span: Span) -> Position {
         self.file(span.file).position(span.start)
     }
 }
 
-/// A value with the place in the source that it came from.
+/// A value with its place in the source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Spanned<T> {
     pub value: T,

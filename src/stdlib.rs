@@ -1,4 +1,4 @@
-//! The standard library: published devices, written in the language, embedded in the program.
+//! The standard library: published devices and instruments, written in the language, embedded in the binary.
 
 const FILES: &[(&str, &str)] = &[
     ("dimibot", include_str!("../stdlib/dimibot.twz")),
@@ -8,17 +8,17 @@ const FILES: &[(&str, &str)] = &[
     ("microrobots", include_str!("../stdlib/microrobots.twz")),
 ];
 
-/// The text of `std.<name>`.
+/// The text of the module `std.<name>`; `None` if there is none.
 pub fn file(name: &str) -> Option<&'static str> {
     FILES.iter().find(|file| file.0 == name).map(|file| file.1)
 }
 
-/// The names of its files, without `std.`.
+/// The names of its modules, without `std.`.
 pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|file| file.0)
 }
 
-/// The only file that declares something of this sort by this name: `device`, `opendrop_v4`.
+/// The only file that declares something of this sort and name, such as `device`, `opendrop_v4`.
 pub fn declaring(sort: &str, name: &str) -> Option<&'static str> {
     let declares = |text: &str| {
         text.lines()

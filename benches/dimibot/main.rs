@@ -1,4 +1,5 @@
-//! Shortest paths of the DiMiBot against the crates `pathfinding` and `petgraph`: the same scenes and queries in one run, costs compared.
+//! Shortest paths of the DiMiBot against the crates `pathfinding` and `petgraph`, on the same scenes and queries in
+//! one run; costs are compared.
 //!
 //! `cargo bench --bench dimibot` prints medians in microseconds and ratios of medians. Scenes and queries come from fixed seeds.
 
@@ -67,14 +68,14 @@ fn shut() {
     }
 }
 
-/// Construction of a field from its obstacles, with all lines and blocks.
+/// Time to construct a field from its obstacles, with all lines and blocks, in microseconds.
 fn set_up_us(scene: &Scene) -> f64 {
     let begun = Instant::now();
     scene.again().field.prepare();
     begun.elapsed().as_secs_f64() * 1e6
 }
 
-/// Cost of the path, if there is one.
+/// Cost of the path; `None` if there is no path.
 pub fn cost(outcome: &DimibotAnswer<FlipPath>) -> Option<u64> {
     match outcome {
         DimibotAnswer::Found(path) => {

@@ -1,6 +1,7 @@
-//! The same problem for `pathfinding` (implicit graph) and `petgraph` (explicit graph), with the same admissible estimate (XOR distance).
+//! The same problem for `pathfinding` (implicit graph) and `petgraph` (explicit graph), with the same admissible
+//! heuristic (XOR distance).
 //!
-//! Both get a fast test for free moves: sorted obstacle coordinates by row and by column, binary search.
+//! Both get a fast test for free moves: binary search in sorted obstacle coordinates by row and by column.
 
 use crate::scenes::Scene;
 use petgraph::graph::{NodeIndex, UnGraph};

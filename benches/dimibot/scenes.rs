@@ -26,7 +26,7 @@ impl Scene {
         Scene::with(modules, crowd << modules, seed, random)
     }
 
-    /// The same scene, with nothing computed yet.
+    /// The same scene, without any cached results.
     pub fn again(&self) -> Self {
         Scene::of(self.modules, self.cells.clone(), self.seed)
     }

@@ -91,13 +91,13 @@ fn time_us<T>(repeats: u32, mut work: impl FnMut() -> T) -> f64 {
     begun.elapsed().as_secs_f64() * 1e6 / f64::from(repeats)
 }
 
-/// Sorts and takes the middle.
+/// The median; sorts the values.
 pub fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }
 
-/// Count, median, 90 % and largest.
+/// Count, median, 90th percentile and largest value.
 pub fn spread(values: &mut [f64]) -> String {
     if values.is_empty() {
         return "none".into();

@@ -1,8 +1,10 @@
-//! In-vitro panels: every sample with every reagent. Each mixture rests where it meets, queues for the detector of its reagent and leaves.
-//! The same operations as steps one after the other are what a board does without assays.
+//! In-vitro panels: every sample is mixed with every reagent. Each mixture rests where it was merged, queues for the
+//! detector of its reagent and leaves. For comparison, the same operations run as consecutive steps, as a board
+//! without assays would do.
 //!
-//! And three families of published assays (PCR mixing tree, in-vitro diagnostics 1 to 5, protein dilution; MFSim's B1, B2 and B4) on
-//! 15 x 19 electrodes at 100 Hz: fluids out of their ports in 2 s, mixed round 4 x 2 electrodes at eight places, split in 2 s.
+//! Also three families of published assays (PCR mixing tree, in-vitro diagnostics 1 to 5, protein dilution; MFSim's
+//! B1, B2 and B4) on 15 x 19 electrodes at 100 Hz: fluids are dispensed from their ports in 2 s, mixed around 4 x 2
+//! electrodes at eight places, and split in 2 s.
 
 use super::clock;
 use super::programs::{Answered, answered};
@@ -33,7 +35,8 @@ pub fn table() {
     }
 }
 
-/// Samples and reagents of the published in-vitro assays, and for how long the mixtures of each sample mix and are read, in seconds.
+/// Samples and reagents of the published in-vitro assays; then, for each sample, how long its mixtures are mixed and
+/// read, in seconds.
 const IN_VITRO: [(u32, u32); 5] = [(2, 2), (2, 3), (3, 3), (3, 4), (4, 4)];
 const SAMPLE_S: [u32; 4] = [5, 3, 4, 6];
 
@@ -41,7 +44,7 @@ const FIELD_BOARD: &str = "use std.electrode_array as ea\n\
     device chip : ea.droplet_chip {\n\
     columns: 15, rows: 19, step_duration: 10 ms, settling: 8 ms, dispense_duration: 2 s, mixer: (4, 2)\n}\n";
 
-/// Levels of splits of the protein assays, and of those with more leaves than places.
+/// Levels of splits of the protein assays; then of those with more leaves than places.
 const PROTEIN: [u32; 3] = [1, 2, 3];
 const DEEP_PROTEIN: [u32; 4] = [4, 5, 6, 7];
 
@@ -84,7 +87,7 @@ fn row(name: &str, program: &FieldAssay, beside: Option<f64>) {
     );
 }
 
-/// The corner of a mixer, from 0 to 7: droplets pass between them, and to the ports.
+/// The corner of a mixer, numbered 0 to 7: droplets can pass between the mixers, and to the ports.
 pub fn place(number: u32) -> (u32, u32) {
     (4 + 5 * (number % 2), 3 + 5 * (number / 2))
 }
@@ -114,7 +117,8 @@ impl FieldAssay {
         self.operations.push(format!("mix {one} for {time_s} s"));
     }
 
-    /// Steps of the operations as steps of a task, unless one of them has no plan: droplets that wait may stand in the way.
+    /// Total steps when the operations run as consecutive steps of a task; `None` if one of them has no plan, because
+    /// waiting droplets may block it.
     fn one_after_the_other(&self) -> Option<f64> {
         match answered(&self.text("", "")) {
             Answered::Plan(plan) => Some(plan.cost),
@@ -122,7 +126,7 @@ impl FieldAssay {
         }
     }
 
-    /// The program, with these words round its operations.
+    /// The program, with the given text before and after its operations.
     fn text(&self, before: &str, after: &str) -> String {
         let (scene, operations) = (self.scene.join("\n"), self.operations.join("\n"));
         format!(
@@ -131,7 +135,7 @@ impl FieldAssay {
     }
 }
 
-/// Eight fluids, mixed in pairs for 3 s, and again, and again.
+/// Eight fluids, mixed in pairs for 3 s, repeatedly until one droplet is left.
 fn pcr() -> FieldAssay {
     let mut assay = FieldAssay::default();
     for fluid in 0..8 {
@@ -147,7 +151,8 @@ fn pcr() -> FieldAssay {
     assay
 }
 
-/// One sample, diluted 1:1 and split, again and again; each part is diluted four times more, meets the reagent, and is read for 30 s.
+/// One sample, diluted 1:1 and split repeatedly; each part is diluted four more times, merged with the reagent, and
+/// read for 30 s.
 fn protein(levels: u32) -> FieldAssay {
     let mut assay = FieldAssay::default();
     let ports = [("s", (8, 1)), ("b0", (1, 6)), ("b1", (15, 6)), ("r0", (1, 11)), ("r1", (15, 11))];
@@ -182,16 +187,16 @@ fn protein(levels: u32) -> FieldAssay {
     assay
 }
 
-/// Who says where droplets are mixed.
+/// Source of the mixing places.
 #[derive(Clone, Copy)]
 enum MixingPlace {
-    /// The program: at the eight places in turn.
+    /// The program assigns the eight places in turn.
     InTurn,
-    /// The plan.
+    /// The plan chooses the places.
     Open,
 }
 
-/// Every sample with every reagent.
+/// Every sample is mixed with every reagent.
 fn in_vitro(samples: u32, reagents: u32, mixing: MixingPlace) -> FieldAssay {
     let mut assay = FieldAssay::default();
     (0..samples).for_each(|sample| assay.reservoir(&format!("s{sample}"), (1, 3 + 4 * sample)));
@@ -230,7 +235,7 @@ fn size(samples: u32, reagents: u32) -> (u32, u32) {
     (10 + 3 * samples, 2 + 2 * samples * reagents)
 }
 
-/// The program, with these words round its operations.
+/// The program, with the given text before and after its operations.
 fn panel(samples: u32, reagents: u32, before: &str, after: &str) -> String {
     let (columns, rows) = size(samples, reagents);
     let each = format!("for s in 0..{samples} {{\nfor r in 0..{reagents} {{\n");

@@ -1,8 +1,8 @@
-//! The plain baseline: prioritised space-time A* and re-ordering: a part without a path comes first in the next order, and after a plan
-//! or [`PATIENCE`] failures comes a random order.
+//! Plain baseline: prioritised planning with space-time A* and re-ordering. A part without a path comes first in the
+//! next priority order; after a plan or [`PATIENCE`] failures the order is shuffled.
 //!
-//! As it is usually written: a binary heap, a hash set of (cell, instant), and a look at every path that is already there for each
-//! position. Parts without a path yet are not seen.
+//! A textbook implementation: a binary heap, a hash set of (cell, instant), and for each position a check of every
+//! path planned so far. Parts without a path yet are ignored.
 
 use crate::clock::running;
 use crate::scenes::Random;
@@ -12,13 +12,13 @@ use std::collections::{BinaryHeap, VecDeque};
 use std::time::Duration;
 use tweeze::plan::electrode_array::board::{BoardCosts, BoardObjective, CellIndex, Instance, Paths, position};
 
-/// Failures until the order is shuffled.
+/// Failures before the order is shuffled.
 const PATIENCE: u32 = 50;
 
 /// A cell at an instant.
 type Node = (CellIndex, u32);
 
-/// What it found within its time.
+/// Plans found within the time limit.
 pub struct Found {
     pub first: Paths,
     pub best: Paths,
@@ -26,21 +26,22 @@ pub struct Found {
 
 struct Baseline<'a> {
     instance: &'a Instance,
-    /// For each part, the distances from its goal; `u32::MAX` where there is no way.
+    /// For each part, the distances to its goal; `u32::MAX` if the goal cannot be reached.
     distances: Vec<Vec<u32>>,
     horizon: u32,
-    /// Of the time that this thread has run.
+    /// In running time of this thread.
     deadline: Duration,
 }
 
-/// How long the search goes on.
+/// When the search ends.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Until {
     First,
     TheEnd,
 }
 
-/// The first plan and the best one (makespan, then sum of costs) within a time; ends early where both bounds are met.
+/// The first plan and the best one (makespan, then sum of costs) within a time limit; ends early if both bounds are
+/// met.
 pub fn run(instance: &Instance, bounds: BoardCosts, until: Until, time: Duration) -> Option<Found> {
     let distances = instance.agents.iter().map(|agent| distances(instance, agent.goal())).collect();
     let horizon = bounds.makespan as u32 * 2 + 64;
@@ -83,7 +84,7 @@ fn key(paths: &Paths) -> (u64, u64) {
     BoardCosts::of(paths).key(BoardObjective::Makespan)
 }
 
-/// Breadth-first from a goal.
+/// Breadth-first distances from a goal.
 fn distances(instance: &Instance, goal: CellIndex) -> Vec<u32> {
     let mut distances = vec![u32::MAX; instance.board.cells()];
     distances[goal as usize] = 0;
@@ -100,7 +101,7 @@ fn distances(instance: &Instance, goal: CellIndex) -> Vec<u32> {
 }
 
 impl Baseline<'_> {
-    /// A plan, or the place in the order of the part that found no path.
+    /// A plan, or the position in the order of the part that found no path.
     fn plan(&self, order: &[usize]) -> Result<Paths, usize> {
         let mut paths: Paths = vec![vec![]; order.len()];
         for (at, part) in order.iter().enumerate() {
@@ -111,7 +112,7 @@ impl Baseline<'_> {
         Ok(paths)
     }
 
-    /// A* over cells and instants to the goal, from where nobody comes by any more.
+    /// A* over (cell, instant), to an instant at the goal after which no other part passes near it.
     fn search(&self, part: usize, others: &[&[CellIndex]]) -> Option<Vec<CellIndex>> {
         let (start, goal) = (self.instance.agents[part].start, self.instance.agents[part].goal());
         let ahead = |cell: CellIndex| self.distances[part][cell as usize];
@@ -144,7 +145,7 @@ impl Baseline<'_> {
         None
     }
 
-    /// Whether nobody is too near at the instants before, at and after.
+    /// Whether no other part is too near at the instants before, at and after `instant`.
     fn is_free(&self, cell: CellIndex, instant: u32, others: &[&[CellIndex]]) -> bool {
         let instants = instant.saturating_sub(1) as usize..=instant as usize + 1;
         others.iter().all(|path| {
@@ -152,7 +153,7 @@ impl Baseline<'_> {
         })
     }
 
-    /// The first instant from which a goal is free for ever.
+    /// The first instant from which a goal stays free.
     fn stays_from(&self, goal: CellIndex, others: &[&[CellIndex]]) -> u32 {
         let near = |cell: &CellIndex| self.instance.board.apart(goal, *cell) < self.instance.separation;
         others.iter().filter_map(|path| path.iter().rposition(near)).map(|last| last as u32 + 2).max().unwrap_or(0)

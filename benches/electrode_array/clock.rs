@@ -1,17 +1,17 @@
-//! Time that other programs on the machine disturb little.
+//! Timing that is little disturbed by other programs on the machine.
 //!
-//! The scheduler tells how long this thread has really run, in ticks of some milliseconds; where it does not, or for short work,
-//! the clock on the wall is read. Short work is repeated, and the least time counts.
+//! The scheduler reports how long this thread has actually run, in ticks of some milliseconds; if it does not, or for
+//! short work, the wall clock is used. Short work is repeated, and the least time counts.
 
 use std::time::{Duration, Instant};
 
-/// Work as long as this is measured by the scheduler's time.
+/// Work of at least this duration is measured by the scheduler's time.
 const LONG: Duration = Duration::from_millis(40);
 
-/// How often short work is done.
+/// Repetitions of short work.
 const REPEATS: u32 = 5;
 
-/// The time of this thread so far, from any beginning.
+/// The running time of this thread so far, from an arbitrary origin.
 pub fn running() -> Duration {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let nanoseconds = text.split_whitespace().next().and_then(|word| word.parse().ok()).filter(|count| *count > 0);
@@ -23,7 +23,7 @@ fn since_start() -> Duration {
     START.get_or_init(Instant::now).elapsed()
 }
 
-/// The result of some work that always does the same, and its time.
+/// The result of deterministic work, and its time.
 pub fn timed<T>(mut work: impl FnMut() -> T) -> (Duration, T) {
     let mut least = Duration::MAX;
     for repeat in 1.. {

@@ -1,4 +1,4 @@
-//! 400 parts on 400 x 400 electrodes. Each instance has a process of its own, so that its peak of memory is its own.
+//! 400 parts on 400 x 400 electrodes. Each instance runs in a process of its own, so that its peak memory is its own.
 
 use crate::clock::timed;
 use crate::sample::{self, costs, mean, ratios, spread};
@@ -8,17 +8,17 @@ use tweeze::plan::electrode_array::board::{BoardAnswer, BoardObjective, BoardPla
 use tweeze::plan::electrode_array::{fast, solve};
 use tweeze::plan::search::SearchBudget;
 
-/// The argument that makes this program measure one instance.
+/// The argument with which this program measures one instance.
 pub const CHILD: &str = "measure-large";
 
-/// Random instances.
+/// Number of random instances.
 const COUNT: u64 = 5;
 
 const SHAPE: Shape = Shape { size: (400, 400), rim: 1, separation: 4, agents: 400, obstacles: 0 };
 
 const BUDGET: SearchBudget = SearchBudget::of(8_000_000);
 
-/// All instances, one process each.
+/// Runs all instances, one process each.
 pub fn table() {
     println!("\nlarge: 400 parts on 400 x 400 electrodes, separation 4; {COUNT} random instances");
     let rows: Vec<Vec<f64>> = (0..COUNT).map(child).collect();
@@ -39,7 +39,7 @@ pub fn table() {
     );
 }
 
-/// Measures in a fresh process and reads the figures that it prints.
+/// Measures one instance in a fresh process, and reads the figures that it prints.
 fn child(seed: u64) -> Vec<f64> {
     let program = std::env::current_exe().expect("the path of this program");
     let output = Command::new(program).args([CHILD, &seed.to_string()]).output().expect("this program starts");
@@ -48,7 +48,7 @@ fn child(seed: u64) -> Vec<f64> {
     text.split_whitespace().map(|word| word.parse().expect("a number")).collect()
 }
 
-/// Prints time, ratios and peak memory at the first plan and in the end.
+/// Prints time, ratios and peak memory at the first plan and at the end.
 pub fn measure(seed: u64) {
     let instance = SHAPE.instance(&mut Random::new(seed)).expect("the board holds so many");
     let bounds = fast::bounds(&instance).expect("no part is walled in");
@@ -65,7 +65,7 @@ pub fn measure(seed: u64) {
     println!("{seconds} {makespan} {sum} {last_peak}");
 }
 
-/// The peak of resident memory so far; not a number where the system does not tell.
+/// Peak resident memory so far, in MB; NaN if the system does not report it.
 fn peak_mb() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

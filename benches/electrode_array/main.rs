@@ -1,7 +1,9 @@
-//! Many parts on one board, against a plain baseline and the crate `mapf-rs`: the same instances in one run, every plan judged.
+//! Many parts on one board, against a plain baseline and the crate `mapf-rs`: the same instances in one run, with
+//! every plan checked.
 //!
-//! `cargo bench --bench electrode_array` prints all tables, `-- droplets` one of them. Instances come from fixed seeds. Our planner
-//! gets a budget of steps, so its plans are the same on every machine; the baseline and the rival get a time.
+//! `cargo bench --bench electrode_array` prints all tables, `-- droplets` one of them. Instances come from fixed
+//! seeds. Our planner has a budget of steps, so its plans are the same on every machine; the baseline and the rival
+//! have time limits.
 
 mod assays;
 mod baseline;
@@ -25,13 +27,13 @@ use tweeze::plan::electrode_array::board::{BoardCosts, BoardObjective, Instance}
 use tweeze::plan::electrode_array::{fast, solve};
 use tweeze::plan::search::SearchBudget;
 
-/// What the baseline (of the time that it really runs) and the rival (on the wall) get for an instance.
+/// Time limit for an instance: running time for the baseline, wall-clock time for the rival.
 const TIME: Duration = Duration::from_secs(1);
 
-/// What ours gets, first plan and all; a fraction of that time.
+/// Our budget, the first plan included; it takes a fraction of that time.
 const BUDGET: SearchBudget = SearchBudget::of(2_000_000);
 
-/// A budget that is spent in about a second where 50 microparts crowd.
+/// A budget that takes about a second with 50 crowded microparts.
 const SECOND: SearchBudget = SearchBudget::of(5_500_000);
 
 fn main() {
@@ -70,7 +72,7 @@ fn microparts() {
     }
 }
 
-/// One row of ours.
+/// One row for our planner.
 fn row_alone(shape: Shape, count: u64, budget: SearchBudget) {
     let samples: Vec<Sample> = instances(shape, count).iter().map(|instance| ours(instance, budget)).collect();
     sample::row("tweeze", shape.agents, &samples);
@@ -93,7 +95,7 @@ fn crowd() {
     row_alone(Shape { size: (200, 200), ..shape(1000) }, 5, SearchBudget::DEFAULT);
 }
 
-/// Two rows: ours, and the baseline on the same instances.
+/// Two rows: our planner, and the baseline on the same instances.
 fn compare(shape: Shape, count: u64) {
     let instances = instances(shape, count);
     let samples: Vec<Sample> = instances.iter().map(|instance| ours(instance, BUDGET)).collect();
@@ -124,7 +126,8 @@ fn droplets() {
     droplet_row("table_6", &scenes::table_6());
 }
 
-/// Milliseconds to the first plan, with the least budget that proves the latest arrival, and with the default budget.
+/// Milliseconds to the first plan, with the smallest budget that proves its makespan optimal, and with the default
+/// budget.
 fn droplet_row(name: &str, instance: &Instance) -> [f64; 3] {
     let first = sample::first(instance).expect("every case has a plan");
     let latest = sample::costs(instance, &first.1).makespan;

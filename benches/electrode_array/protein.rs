@@ -1,20 +1,22 @@
-//! Protein assays of many levels: more leaves than places.
+//! Protein assays with many levels, which have more leaves than places.
 //!
-//! The operations, times, ports and places are those of the assays with few levels. Which place a leaf gets, where halves rest and in which
-//! order they are split is a schedule of its own, made here as a lab would: one place splits, depth first, so that at most one half of each
-//! level rests; the others take the leaves, each the one that is free first.
+//! Operations, times, ports and places are those of the assays with few levels. The schedule, that is, the place of
+//! each leaf, where halves rest and the order of splits, is made here as a lab would make it: one place splits, depth
+//! first, so that at most one half of each level rests; the other places process the leaves, each taken by the place
+//! that is free first.
 
 use super::assays::{FieldAssay, place};
 
-/// The place that splits, and the place where a leaf rests until one of the others is free.
+/// The place that splits; then the cell where a leaf rests until one of the other places is free.
 const SPLITTER: u32 = 5;
 const BUFFER: (u32, u32) = (12, 11);
 
-/// Where the half of each level rests, from the first level on, for as many levels as there are: those of the last levels come and go before
-/// those of the levels before, so that each row opens to one side.
+/// Resting places of the halves, by level; an assay with fewer levels uses the last ones. Halves of deeper levels come
+/// and go before those of the levels above, so that each row opens to one side.
 const STORES: [(u32, u32); 6] = [(9, 1), (11, 1), (6, 16), (8, 16), (10, 16), (12, 16)];
 
-/// What a step takes, in tenths of a second: a meeting with its mixing, that with a split, and the rest of a leaf after its first meeting.
+/// Durations in tenths of a second: a merge with its mixing, a merge with its mixing and a split, and what remains
+/// for a leaf after its first merge.
 const MEETING: u32 = 33;
 const SPLITTING: u32 = 55;
 const READING: u32 = 440;
@@ -22,11 +24,11 @@ const READING: u32 = 440;
 struct Schedule {
     assay: FieldAssay,
     levels: u32,
-    /// Operations, each with its time.
+    /// Operations with their times.
     timed: Vec<(u32, String)>,
-    /// By place: when it is free, and the leaf that it had last.
+    /// For each place, when it is free, and the last leaf that it had.
     free: Vec<(u32, Option<u32>)>,
-    /// The leaf that was last in the buffer, and when it has met the first droplet at its place.
+    /// The last leaf in the buffer, and when it has merged with its first droplet at its place.
     buffered: Option<(u32, u32)>,
     drops: u32,
 }
@@ -36,7 +38,7 @@ impl Schedule {
         self.timed.push((at, text));
     }
 
-    /// A droplet meets one of a fluid at a place and is mixed with it.
+    /// A droplet merges with one of a fluid at a place and is mixed with it.
     fn meet(&mut self, at: u32, part: u32, fluid: &str, place: u32, after: &[u32]) {
         self.drops += 1;
         let (other, cell) = (format!("{fluid}_{}", self.drops), self::place(place));
@@ -47,13 +49,13 @@ impl Schedule {
         self.add(at, format!("mix d{part} for 3 s"));
     }
 
-    /// The place other than the splitter that is free first.
+    /// The place, other than the splitter, that is free first.
     fn first_free(&self) -> u32 {
         let others = (0..8).filter(|place| *place != SPLITTER);
         others.min_by_key(|place| self.free[*place as usize].0).unwrap_or(0)
     }
 
-    /// A leaf has a place from an instant on.
+    /// Processes a leaf at a place, from an instant on.
     fn leaf(&mut self, at: u32, part: u32, place: u32) {
         let before: Vec<u32> = self.free[place as usize].1.into_iter().collect();
         let at = at.max(self.free[place as usize].0);
@@ -66,8 +68,8 @@ impl Schedule {
         self.free[place as usize] = (at + MEETING + READING, Some(part));
     }
 
-    /// Splits a droplet at the splitter, after others have left it, and all that comes out of it; answers with the time, and the droplet
-    /// that leaves the splitter last.
+    /// Splits a droplet at the splitter once others have left it, and then everything that results from it; returns
+    /// the time, and the droplet that leaves the splitter last.
     fn split(&mut self, at: u32, part: u32, level: u32, after: &[u32]) -> (u32, u32) {
         self.meet(at, part, "b", SPLITTER, after);
         self.add(at, format!("incubate d{part} for 2 s"));
@@ -101,7 +103,7 @@ impl Schedule {
         self.split(at, half, level + 1, &[last])
     }
 
-    /// The store of the halves of a level, counted from 0.
+    /// Index of the store for the halves of a level, counted from 0.
     fn store(&self, level: u32) -> usize {
         STORES.len() + 1 - self.levels as usize + level as usize
     }
@@ -111,7 +113,7 @@ fn afters(parts: &[u32]) -> String {
     parts.iter().map(|part| format!(" after d{part}")).collect()
 }
 
-/// As the assays of few levels, with more leaves than places.
+/// The assay with this many levels, with more leaves than places.
 pub fn protein(levels: u32) -> FieldAssay {
     let assay = FieldAssay::default();
     let mut schedule =

@@ -1,6 +1,6 @@
-//! The crate `mapf-rs` on the boards of point agents. It forbids two agents on one cell and two that swap, as is usual; it allows to
-//! follow into a cell that is left in the same step, which our rule at separation 1 does not. So our plans are plans for it, and
-//! its plans need not be plans for us.
+//! The crate `mapf-rs` on boards of point agents. As usual, it forbids vertex and swap conflicts; it allows following
+//! into a cell that is left in the same step, which our rule at separation 1 forbids. So our plans are valid for it,
+//! but its plans need not be valid for us.
 
 use crate::clock::timed;
 use mapf_rs::algorithms::lacam;
@@ -8,7 +8,7 @@ use mapf_rs::base::{AgentId, Deadline, Graph, Instance as Theirs, Solution, Vert
 use std::time::Duration;
 use tweeze::plan::electrode_array::board::{BoardCosts, CellIndex, Instance};
 
-/// The same instance for the rival, and its graph.
+/// The same instance for the rival, with its graph.
 pub struct Rival<'a> {
     instance: &'a Instance,
     theirs: Theirs,
@@ -30,18 +30,19 @@ impl<'a> Rival<'a> {
         Rival { instance, theirs }
     }
 
-    /// LaCAM up to its first plan: the time and the costs.
+    /// LaCAM until its first plan: time and costs.
     pub fn first(&self, limit: Duration) -> Option<(Duration, BoardCosts)> {
         let (time, solution) = timed(|| lacam::solve(&self.theirs, 0, &Deadline::new(limit)));
         solution.map(|solution| (time, self.costs(&solution)))
     }
 
-    /// LaCAM*, which betters its plan until the time is over.
+    /// LaCAM*, which improves its plan until the time limit.
     pub fn bettered(&self, time: Duration) -> Option<BoardCosts> {
         lacam::solve_star(&self.theirs, 0, &Deadline::new(time)).map(|solution| self.costs(&solution))
     }
 
-    /// Checks the plan under the rival's own rule, with its check and with one of ours; and counts the costs as we do.
+    /// Checks the plan under the rival's own rule, with its check and with one of ours, and computes its costs as we
+    /// do.
     fn costs(&self, solution: &Solution) -> BoardCosts {
         assert!(solution.validate(&self.theirs).is_ok(), "the rival's plan does not pass its own check");
         let agents = 0..self.instance.agents.len();

@@ -1,4 +1,4 @@
-//! What is measured of one instance, and the figures of many.
+//! Measurements of one instance, and statistics over many.
 
 use crate::baseline::{self, Until};
 use crate::check::{fault, judged};
@@ -8,23 +8,23 @@ use tweeze::plan::electrode_array::board::{BoardAnswer, BoardCosts, BoardObjecti
 use tweeze::plan::electrode_array::{self, fast, solve};
 use tweeze::plan::search::SearchBudget;
 
-/// A first plan by itself gets half of the default budget.
+/// Budget of a first plan alone: half of the default budget.
 const FIRST: SearchBudget = SearchBudget::of(SearchBudget::DEFAULT.steps / 2);
 
-/// What a planner did on one instance.
+/// Results of a planner on one instance.
 #[derive(Default)]
 pub struct Sample {
     /// Milliseconds to the first plan, and its costs.
     pub first: Option<(f64, BoardCosts)>,
     /// Seconds until it ended, and the costs then.
     pub last: Option<(f64, BoardCosts)>,
-    /// The costs that alone are below every plan.
+    /// Lower bounds: the costs if parts ignore one another.
     pub simple: BoardCosts,
-    /// The bounds that were proven in the end.
+    /// The bounds proven at the end.
     pub proven: BoardCosts,
 }
 
-/// Ours: the first plan alone, then the whole portfolio from the beginning with a budget.
+/// Our planner: first a first plan alone, then the whole portfolio from scratch with a budget.
 pub fn ours(instance: &Instance, budget: SearchBudget) -> Sample {
     let simple = fast::bounds(instance).expect("no part is walled in");
     let first = first(instance).map(|(ms, paths)| (ms, costs(instance, &paths)));
@@ -35,13 +35,13 @@ pub fn ours(instance: &Instance, budget: SearchBudget) -> Sample {
     Sample { first, last, simple, proven: judged.map_or(simple, |(_, bounds)| bounds) }
 }
 
-/// The first plan and the milliseconds to it.
+/// The first plan, and the milliseconds until it was found.
 pub fn first(instance: &Instance) -> Option<(f64, Paths)> {
     let (time, first) = timed(|| electrode_array::first(instance, BoardObjective::Makespan, FIRST));
     first.map(|paths| (milliseconds(time), paths))
 }
 
-/// The plain baseline within a time.
+/// The plain baseline with a time limit.
 pub fn plain(instance: &Instance, time: Duration) -> Sample {
     let simple = fast::bounds(instance).expect("no part is walled in");
     let (first_time, first) = timed(|| baseline::run(instance, simple, Until::First, time));
@@ -53,7 +53,7 @@ pub fn plain(instance: &Instance, time: Duration) -> Sample {
     Sample { first, last, simple, proven: simple }
 }
 
-/// The costs of a plan that the judge has passed.
+/// The costs of a plan, after the checker has accepted it.
 pub fn costs(instance: &Instance, paths: &Paths) -> BoardCosts {
     assert_eq!(fault(instance, paths), None);
     BoardCosts::of(paths)
@@ -63,13 +63,13 @@ pub fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// Costs over their bounds.
+/// Costs divided by their bounds.
 pub fn ratios(costs: BoardCosts, bounds: BoardCosts) -> [f64; 2] {
     let ratio = |cost: u64, bound: u64| cost as f64 / bound.max(1) as f64;
     [ratio(costs.makespan, bounds.makespan), ratio(costs.sum_of_costs, bounds.sum_of_costs)]
 }
 
-/// Median, 90 % and largest.
+/// Median, 90th percentile and largest value.
 pub fn spread(mut values: Vec<f64>) -> [f64; 3] {
     values.sort_by(f64::total_cmp);
     let at = |share: usize| values.get((values.len() * share / 100).min(values.len().max(1) - 1)).copied();
@@ -90,7 +90,8 @@ pub fn header() {
     );
 }
 
-/// One row: how many have a plan, times to it, ratios to the bounds at first and in the end, how many are proven best.
+/// One row: number of instances with a plan, times to the first plan, ratios to the bounds at first and at the end,
+/// number proven optimal.
 pub fn row(name: &str, agents: usize, samples: &[Sample]) {
     let over = |it: &Sample, (time, costs): (f64, BoardCosts)| (time, ratios(costs, it.simple));
     let first: Vec<(f64, [f64; 2])> = samples.iter().filter_map(|it| it.first.map(|first| over(it, first))).collect();

@@ -1,8 +1,8 @@
-//! Ways through the grasp graph, against the A* of the crate `pathfinding` on the same tables in one run, and beside the times that
-//! the paper prints (MATLAB, Core i7-9750H).
+//! Paths through the grasp graph, against the A* of the crate `pathfinding` on the same tables in one run, and beside
+//! the times printed in the paper (MATLAB, Core i7-9750H).
 //!
-//! `cargo bench --bench fingers` prints all tables, `-- queries` one of them. A time is that of a whole request: the tables of
-//! grasps are given, everything else is made anew for each.
+//! `cargo bench --bench fingers` prints all tables, `-- queries` one of them. A time is that of a whole request: the
+//! tables of grasps are given, everything else is computed anew for each.
 
 #[path = "../electrode_array/clock.rs"]
 mod clock;
@@ -18,7 +18,7 @@ use tweeze::plan::fingers::graph::{Estimator, GraspAnswer, GraspRequest, GraspSe
 use tweeze::plan::fingers::tables::Tables;
 use tweeze::plan::search::SearchBudget;
 
-/// What the rival, and ours with the paper's estimate, may expand in one query.
+/// Most node expansions in one query, for the rival and for ours with the paper's heuristic.
 const MOST: u64 = 200_000;
 
 fn main() {
@@ -35,7 +35,7 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// What came of a request.
+/// Result of a request.
 struct Sample {
     milliseconds: f64,
     outcome: Outcome,
@@ -53,7 +53,7 @@ fn ours(request: &GraspRequest, estimator: Estimator) -> Sample {
     Sample { milliseconds: milliseconds(time), outcome, expanded }
 }
 
-/// The rival's time, once; its answer must be ours.
+/// The rival's time, measured once; its answer must agree with ours.
 fn theirs(request: &GraspRequest, ours: Outcome) -> String {
     let start = std::time::Instant::now();
     let outcome = rival::cost(request, MOST);
@@ -173,7 +173,7 @@ fn large() {
     println!("{}: {:.1} ms; peak memory {}", shown(&sample), sample.milliseconds, peak_memory());
 }
 
-/// The most memory that this process has had, where the system tells.
+/// Peak memory of this process, if the system reports it.
 fn peak_memory() -> String {
     let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = text.lines().find(|line| line.starts_with("VmHWM")).unwrap_or("unknown");

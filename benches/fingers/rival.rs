@@ -1,4 +1,5 @@
-//! The A* of the crate `pathfinding` on the same tables, with the paper's estimate (contacts compared modulo their number).
+//! The A* of the crate `pathfinding` on the same tables, with the paper's heuristic (contacts compared modulo their
+//! number).
 
 use pathfinding::prelude::astar;
 use std::cell::Cell;
@@ -8,16 +9,16 @@ use tweeze::plan::fingers::tables::Tables;
 /// The contact of each finger, from 1, and the angle.
 type Node = ([u16; 3], u16);
 
-/// What came of a search.
+/// Result of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     Cost(u64),
     NoPath,
-    /// It was stopped.
+    /// The search was stopped.
     Open,
 }
 
-/// The least cost of a request with one leg; stopped when it has expanded so many nodes.
+/// The least cost of a request with one leg; stops after `most` node expansions.
 pub fn cost(request: &GraspRequest, most: u64) -> Outcome {
     let leg = &request.routes[0][0];
     let Start::At(start) = request.start else { unreachable!("our queries begin with a grasp") };

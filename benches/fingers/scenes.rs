@@ -14,10 +14,10 @@ use tweeze::plan::fingers::looks::LooksBudget;
 use tweeze::plan::fingers::mechanics::{Contacts, Load, TableRequest, tables};
 use tweeze::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
 
-/// The angles of a leg: one turn in steps of 20 deg, and its end.
+/// Number of angles of a leg: one turn in steps of 20 deg, and its end.
 pub const ANGLES: i32 = 19;
 
-/// Rolling by 20 deg with one finger, and a placement or removal, in degrees.
+/// Costs in degrees: rolling by 20 deg with one finger, and a placement or removal.
 pub const COSTS: GraspCosts = GraspCosts { roll: 20, gait: 180 };
 
 /// The paper's hand, with the removal safety that imitates its results.
@@ -56,7 +56,7 @@ pub fn ellipsoid(facts: &FingersFacts) -> Tables {
     tables(&asked, &LooksBudget::default(), &mut |_, _, _| true).expect("an ellipse has few grasps")
 }
 
-/// All grasps with contacts so far apart; every placement and removal is allowed.
+/// All grasps whose contacts are at least `gap` apart; every placement and removal is allowed.
 pub fn circle(contacts: usize, gap: usize) -> Tables {
     let apart = |i: usize, j: usize| i.abs_diff(j).min(contacts - i.abs_diff(j)) >= gap;
     let mut tables = Tables { contacts, layers: Vec::new() };
@@ -72,7 +72,7 @@ pub fn circle(contacts: usize, gap: usize) -> Tables {
     tables
 }
 
-/// The same tables, but no finger may leave a triple, nor what it rolls to.
+/// The same tables, but no finger may leave a given triple, nor any triple that it rolls to.
 pub fn stuck(tables: &Tables, triple: [usize; 3]) -> Tables {
     let mut other = tables.clone();
     for by in 0..tables.contacts {
@@ -84,7 +84,7 @@ pub fn stuck(tables: &Tables, triple: [usize; 3]) -> Tables {
     other
 }
 
-/// The same tables, but no finger may come to make a triple, nor what it rolls to.
+/// The same tables, but no finger may be placed to form a given triple, nor any triple that it rolls to.
 pub fn lonely(tables: &Tables, triple: [usize; 3]) -> Tables {
     let mut other = tables.clone();
     for by in 0..tables.contacts {
@@ -96,7 +96,7 @@ pub fn lonely(tables: &Tables, triple: [usize; 3]) -> Tables {
     other
 }
 
-/// A turn with three fingers from one grasp to another.
+/// A turn from one three-finger grasp to another.
 pub fn query(tables: &Arc<Tables>, start: [u32; 3], steps: i32, end: [u32; 3]) -> GraspRequest {
     let grasp = |list: [u32; 3]| Grasp::of(&list).expect("three fingers");
     let (lowest, highest) = (0, ANGLES - 1);
@@ -118,7 +118,7 @@ pub fn query(tables: &Arc<Tables>, start: [u32; 3], steps: i32, end: [u32; 3]) -
     }
 }
 
-/// A turn that ends with any two fingers on contacts 1 and 38, where another one in the other plane begins.
+/// A turn that ends with any two fingers on contacts 1 and 38, where a turn in the other plane begins.
 pub fn junction(tables: &Arc<Tables>, start: [u32; 3], steps: i32) -> GraspRequest {
     let mut request = query(tables, start, steps, start);
     let ends = [0, 37];
@@ -129,7 +129,7 @@ pub fn junction(tables: &Arc<Tables>, start: [u32; 3], steps: i32) -> GraspReque
     request
 }
 
-/// Queries between grasps that hold, with two and with three fingers, at random angles.
+/// Queries between stable grasps, with two and with three fingers, at random angles.
 pub fn random(tables: &Arc<Tables>, count: usize) -> Vec<GraspRequest> {
     let mut random = Random::new(7);
     let mut grasp = || loop {

@@ -1,4 +1,4 @@
-//! How long the controller takes for an answer, over whole assemblies.
+//! Response time of the controller, over whole assemblies.
 
 use crate::fields::{self, checked};
 use std::time::Instant;
@@ -9,20 +9,20 @@ use tweeze::plan::microrobots::control::{Command, ControlPhase, Controller, Pilo
 use tweeze::plan::microrobots::simulation::{Disturbances, SimulatedBed};
 use tweeze::plan::{self, Motion};
 
-/// Trials of each plan, and their seed.
+/// Trials of each plan; then their seed.
 const TRIALS: u64 = 20;
 const SEED: u64 = 7;
 
 /// Side of the fields.
 const SIDE_UM: f64 = 4_000.0;
 
-/// What an answer may take.
+/// Time limit for an answer.
 const LIMIT_US: f64 = 5_000.0;
 
-/// So often each answer is computed; the least time counts, so that other programs on the machine disturb little.
+/// Number of times that each answer is computed; the least time counts, so that other programs disturb little.
 const REPEATS: usize = 3;
 
-/// A controller whose answers are timed.
+/// A controller with timed answers.
 struct TimedPilot<'a> {
     controller: Controller<'a>,
     answers_us: Vec<f64>,
@@ -50,7 +50,7 @@ impl Pilot for TimedPilot<'_> {
     }
 }
 
-/// Times of all answers in trials of the plan for one field; none without a plan.
+/// Times of all answers in trials of the plan for one field; `None` if it has no plan.
 fn answers_us(count: usize, seed: u64) -> Option<Vec<f64>> {
     let claims = checked(&fields::assembly(count, SIDE_UM, seed, "time"))?;
     let order: &MicrorobotsOrder = fields::order(&claims);

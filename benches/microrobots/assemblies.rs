@@ -1,5 +1,5 @@
-//! Assemblies from the text of a program: planned, and carried out a thousand times with errors. There is no public rival that does
-//! either.
+//! Assemblies from the text of a program: planned, and executed a thousand times with errors. There is no public
+//! rival for either.
 
 use crate::clock::timed;
 use std::fmt::Write;
@@ -15,7 +15,7 @@ use tweeze::source::Sources;
 /// Trials of one simulation.
 const TRIALS: u64 = 1_000;
 
-/// Where the robots start, in millimetres and degrees, the one that snaps last first; and where they dock.
+/// Start and dock of each robot, in millimetres and degrees; the robot that snaps down last comes first.
 const ENDS: [([f64; 3], [f64; 3]); 5] = [
     ([-0.5, 3.0, 180.0], [1.60, 1.20, 90.0]),
     ([3.5, 3.0, 0.0], [1.60, 1.46, 270.0]),
@@ -24,7 +24,7 @@ const ENDS: [([f64; 3], [f64; 3]); 5] = [
     ([5.5, 1.5, 90.0], [1.76, 1.24, 180.0]),
 ];
 
-/// `count` robots whose table is the best for so many.
+/// A program with `count` robots and the best table for that number.
 fn program(count: usize) -> String {
     let mut text = "use std.microrobots\ndevice fleet : microrobots.bed {\n  robots: table {\n    \
                     robot | snap_down [V] | release [V] | turning_radius [um]\n"

@@ -1,4 +1,5 @@
-//! Programs of robots at random places: assemblies on fields of some millimetres, and drives of one robot among two others and obstacles.
+//! Programs with robots at random poses: assemblies on fields of some millimetres, and drives of one robot among two
+//! others and obstacles.
 //!
 //! A seed gives the same program on every machine.
 
@@ -17,13 +18,13 @@ use tweeze::source::Sources;
 /// Half the length of a robot.
 const HALF_UM: f64 = 130.0;
 
-/// Distance from the middle of a robot to its corners.
+/// Distance from the centre of a robot to its corners.
 const CORNER_UM: f64 = 133.5;
 
-/// Least distance between the middles of two robots at the start.
+/// Least distance between the centres of two robots at the start.
 const APART_UM: f64 = 300.0;
 
-/// Goals relative to the structure: the two that meet head on, then places at their sides, alternately.
+/// Goals relative to the structure: the two robots that meet head on, then places at their sides, alternately.
 const SEATS: [[f64; 3]; 6] = [
     [0.0, -HALF_UM, 90.0],
     [0.0, HALF_UM, 270.0],
@@ -33,7 +34,7 @@ const SEATS: [[f64; 3]; 6] = [
     [-160.0, 90.0, 0.0],
 ];
 
-/// A program as checked; `None` where the checker refuses it.
+/// The checked program; `None` if the checker refuses it.
 pub fn checked(text: &str) -> Option<Claims> {
     let options = Options::default();
     let program = ProgramSource { name: "bench.twz", text, library: &NoFiles, options: &options };
@@ -46,7 +47,7 @@ pub fn order(claims: &Claims) -> &MicrorobotsOrder {
     claims.jobs.first().and_then(|job| MicrorobotsOrder::of(&job.order)).expect("it is a task of microrobots")
 }
 
-/// The device: robots whose table is STRING, with the errors of `std.microrobots`.
+/// The device: robots with a STRING table and the errors of `std.microrobots`.
 pub fn device(count: usize) -> String {
     let mut text = "use std.microrobots\ndevice fleet : microrobots.bed {\n  robots: table {\n    \
                     robot | snap_down [V] | release [V] | turning_radius [um]\n"
@@ -62,7 +63,7 @@ pub fn pose([x, y, heading]: [f64; 3]) -> String {
     format!("pose({x:.1} um, {y:.1} um, {heading:.2} deg)")
 }
 
-/// Whether one place is at least so far from others.
+/// Whether a position is at least `apart_um` from all others.
 fn is_apart(place: [f64; 3], others: &[[f64; 3]], apart_um: f64) -> bool {
     others.iter().all(|other| {
         let [dx, dy] = [place[0] - other[0], place[1] - other[1]];
@@ -70,7 +71,7 @@ fn is_apart(place: [f64; 3], others: &[[f64; 3]], apart_um: f64) -> bool {
     })
 }
 
-/// Robots at random in a square, apart from one another and from these places.
+/// Random start poses in a square, apart from one another.
 fn starts(random: &mut SplitMix64, count: usize, side_um: f64) -> Vec<[f64; 3]> {
     let mut places: Vec<[f64; 3]> = Vec::new();
     while places.len() < count {
@@ -82,8 +83,8 @@ fn starts(random: &mut SplitMix64, count: usize, side_um: f64) -> Vec<[f64; 3]> 
     places
 }
 
-/// An assembly of so many robots on a square field: the structure lies in its middle third, turned at random, and the robots that
-/// dock at its sides do so in a random order.
+/// An assembly of `count` robots on a square field: the structure is in its middle third, in a random orientation,
+/// and the robots that dock at its sides do so in random order.
 pub fn assembly(count: usize, side_um: f64, seed: u64, objective: &str) -> String {
     let mut random = SplitMix64::stream(seed, (count as u64) << 32 | side_um as u64);
     let starts = starts(&mut random, count, side_um);
@@ -106,7 +107,7 @@ pub fn assembly(count: usize, side_um: f64, seed: u64, objective: &str) -> Strin
     text + "  }\n}\n"
 }
 
-/// A drive of one of three robots on a square of 3 mm, among up to twelve discs that neither starts nor goal touch.
+/// A drive of one of three robots on a square of 3 mm, among up to twelve discs that touch neither starts nor goal.
 pub fn drive(seed: u64) -> String {
     const SIDE_UM: f64 = 3_000.0;
     let mut random = SplitMix64::stream(seed, 3);

@@ -1,4 +1,4 @@
-//! The goals of plans: how many random programs have one, how soon, how long it lasts, and how often it succeeds.
+//! Plan quality on random programs: share with a plan, planning time, duration, and success rate.
 
 use crate::fields::{self, checked};
 use crate::simple;
@@ -10,20 +10,20 @@ use tweeze::plan::microrobots::bound::together::{self, RobotArrival};
 use tweeze::plan::{self, Motion, Plan};
 use tweeze::simulate::simulate;
 
-/// Trials of each plan, and their seed.
+/// Trials of each plan; then their seed.
 const TRIALS: u64 = 200;
 const SEED: u64 = 7;
 
-/// Sides of the fields.
+/// Side lengths of the fields.
 const SIDES_UM: [f64; 3] = [3_000.0, 4_000.0, 6_000.0];
 
 /// Numbers of robots.
 const COUNTS: std::ops::RangeInclusive<usize> = 3..=6;
 
-/// What came of one program.
+/// Result of one program.
 struct Outcome {
     has_plan: bool,
-    /// A plan was found by the simple search only.
+    /// Only the simple search found a plan.
     is_missed: bool,
     planning_ms: f64,
     lasts_s: Option<f64>,
@@ -33,7 +33,7 @@ struct Outcome {
     has_proof: bool,
 }
 
-/// How many programs of each kind: the second argument, if there is one.
+/// Number of programs of each kind: the second argument if there is one, otherwise `usual`.
 fn programs(usual: u64) -> u64 {
     std::env::args().filter_map(|argument| argument.parse().ok()).next().unwrap_or(usual)
 }
@@ -67,7 +67,7 @@ fn outcome(text: &str) -> Outcome {
     }
 }
 
-/// The value below which a share of them lies.
+/// The quantile of a share of the values.
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
@@ -119,7 +119,7 @@ fn assemblies(objective: &str, usual: u64) {
     }
 }
 
-/// The bound of an assembly over that of its slowest robot alone.
+/// The bound of an assembly divided by that of its slowest robot alone.
 fn over_slowest(text: &str) -> f64 {
     let claims = checked(text).unwrap_or_else(|| panic!("the program is right:\n{text}"));
     let order = fields::order(&claims);
@@ -134,7 +134,7 @@ fn over_slowest(text: &str) -> f64 {
     together::least_strokes(order, arrivals) as f64 / alone.unwrap_or(1) as f64
 }
 
-/// What bounds gain from what robots have in common.
+/// Improvement of the bounds by taking all robots together.
 pub fn bounds() {
     println!("\nBound of assemblies on random fields, over that of the slowest robot alone.\n");
     println!("| robots | fields | median | p90 |\n|---|---|---|---|");
@@ -148,12 +148,12 @@ pub fn bounds() {
     }
 }
 
-/// Fast plans.
+/// Plans for the objective `time`.
 pub fn fastest() {
     assemblies("time", 8);
 }
 
-/// Plans that seldom fail.
+/// Plans for the objective `failures`.
 pub fn safest() {
     assemblies("failures", 4);
 }

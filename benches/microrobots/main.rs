@@ -1,8 +1,8 @@
-//! Microrobots on one voltage: what their compiler costs, beside plain searches on the same work in the same run; and how good their
-//! plans are on random fields.
+//! Microrobots on one voltage: cost of their compiler, beside plain searches on the same work in the same run, and
+//! quality of their plans on random fields.
 //!
-//! `cargo bench --bench microrobots` prints all tables, `-- states` one of them, `-- fastest 8` with so many programs of each kind.
-//! Instances come from fixed seeds.
+//! `cargo bench --bench microrobots` prints all tables, `-- states` one of them, `-- fastest 8` with 8 programs of
+//! each kind. Instances come from fixed seeds.
 
 mod answers;
 mod assemblies;

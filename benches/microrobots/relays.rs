@@ -1,4 +1,4 @@
-//! Tables of voltages: is one STRING, and which arm patterns can be set.
+//! Voltage tables: whether one is STRING, and which arm patterns can be set.
 
 use crate::clock::timed;
 use crate::rival;
@@ -9,7 +9,7 @@ use tweeze::random::SplitMix64;
 
 const SOURCE: Source = Source { margin_v: 0.5, relax_v: 250.0, flex_v: 290.0, max_v: 600.0, most_levels: 64 };
 
-/// Checking tables of 100 robots, right and wrong.
+/// Checks tables of 100 robots, correct and faulty.
 pub fn check() {
     println!("\ncheck: whether a table of 100 robots is STRING, with a control cycle for each state or the faults");
     println!("table                     states faults longest cycle      ms");
@@ -28,7 +28,7 @@ fn check_row(name: &str, table: &[RelayRow], source: Source) {
     println!("{name:23} {:8} {faults:6} {longest:13} {:9.3}", analysis.states.len(), milliseconds(time));
 }
 
-/// All control states with a shortest cycle each, against breadth-first search over levels.
+/// All control states, each with a shortest cycle, against breadth-first search over levels.
 pub fn states() {
     println!("\nstates: all arm patterns that can be set, and the shortest cycle of each");
     println!("table         robots states   tweeze ms   breadth-first ms     nodes   ratio");
@@ -51,7 +51,7 @@ fn states_row(name: &str, table: &[RelayRow]) {
     println!(" {nodes:9} {:7.0}", times[1] / times[0]);
 }
 
-/// Each pattern, as bits by row, and how many levels set it.
+/// Each pattern, as bits by row, with the number of levels that set it.
 fn lengths(analysis: &Analysis) -> Vec<(u128, usize)> {
     let bits = |state: &ControlState| state.arms.iter().rev().fold(0, |bits, arm| bits << 1 | u128::from(arm.digit()));
     let mut found: Vec<(u128, usize)> = analysis.states.iter().map(|it| (bits(it), it.levels_v.len())).collect();
@@ -63,7 +63,7 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// Snap-down and release voltages rise by turns.
+/// Snap-down and release voltages increase alternately.
 fn even(robots: usize) -> Vec<RelayRow> {
     let row = |at: usize| RelayRow {
         snap_down_v: 300.0 + at.div_ceil(2) as f64 * 2.0,
@@ -72,7 +72,7 @@ fn even(robots: usize) -> Vec<RelayRow> {
     (0..robots).map(row).collect()
 }
 
-/// One of the voltages rises by two margins or more, the other by less or more; shuffled.
+/// From row to row one of the voltages increases by two margins or more, the other by less or more; shuffled.
 fn random(robots: usize, seed: u64) -> Vec<RelayRow> {
     let mut random = SplitMix64::new(seed);
     let (mut snap_down_v, mut release_v) = (300.0, 10.0);
@@ -88,7 +88,7 @@ fn random(robots: usize, seed: u64) -> Vec<RelayRow> {
     table
 }
 
-/// Threes of rows which two levels do not tell apart: the example of the model, once after the other.
+/// Groups of three rows that two levels cannot distinguish: the example of the model, repeated.
 fn interleaved(robots: usize) -> Vec<RelayRow> {
     let three = [(0.0, 0.75), (1.25, 0.0), (1.125, 1.125)];
     let row = |at: usize| {
@@ -99,7 +99,7 @@ fn interleaved(robots: usize) -> Vec<RelayRow> {
     (0..robots).map(row).collect()
 }
 
-/// Every pair of so many snap-down and so many release voltages.
+/// Every pair of `snap_downs` snap-down voltages and `releases` release voltages.
 fn grid(snap_downs: usize, releases: usize) -> Vec<RelayRow> {
     let row = |at: usize| RelayRow {
         snap_down_v: 300.0 + (at % snap_downs) as f64 * 5.0,
@@ -108,7 +108,7 @@ fn grid(snap_downs: usize, releases: usize) -> Vec<RelayRow> {
     (0..snap_downs * releases).map(row).collect()
 }
 
-/// Each gap inside the next: every pattern can be set.
+/// Nested hysteresis intervals, so every pattern can be set.
 fn nested(robots: usize) -> Vec<RelayRow> {
     let row = |at: usize| RelayRow { snap_down_v: 300.0 + at as f64 * 2.0, release_v: 240.0 - at as f64 * 2.0 };
     (0..robots).map(row).collect()

@@ -1,11 +1,11 @@
-//! The plain way: breadth-first search, of the crate `pathfinding`, over what is known of the arms, with every level that does
-//! something of its own.
+//! Plain method: breadth-first search, by the crate `pathfinding`, over the known states of the arms, with every
+//! level that has an effect of its own.
 
 use pathfinding::prelude::bfs_reach;
 use std::hash::{Hash, Hasher};
 use tweeze::check::microrobots::relays::{RelayRow, Source};
 
-/// What is known of the arms, and by how few levels.
+/// The arms whose state is known, and the number of levels that set them.
 #[derive(Debug, Clone, Copy)]
 struct Known {
     down: u128,
@@ -27,7 +27,7 @@ impl Hash for Known {
     }
 }
 
-/// What a level does to arms: those that go down or up for certain, and those that may.
+/// Effect of a level on the arms: those that certainly go down or up, and those that may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Effect {
     down: u128,
@@ -58,7 +58,8 @@ impl Effect {
     }
 }
 
-/// Each pattern that can be set, as bits by row, with how many levels; and how many nodes the search visits.
+/// Each pattern that can be set, as bits by row, with its number of levels; and the number of nodes that the search
+/// visits.
 pub fn patterns(table: &[RelayRow], source: Source) -> (Vec<(u128, usize)>, usize) {
     let margin_v = source.margin_v;
     let breaks = table.iter().flat_map(|row| [row.snap_down_v, row.release_v]);

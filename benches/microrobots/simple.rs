@@ -1,5 +1,5 @@
-//! A simple search of its own: first legs of the whole bed by chance, and from where they end the planner that knows no first legs. It
-//! shows whether a program has a plan at all.
+//! A simple, independent search: random first legs of the whole bed, followed by the planner without first legs from
+//! where they end. It shows whether a program has a plan at all.
 
 use tweeze::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use tweeze::geometry::Pose;
@@ -10,16 +10,16 @@ use tweeze::plan::microrobots::{Leg, legs_ns};
 use tweeze::plan::search::{Meter, SearchBudget};
 use tweeze::random::SplitMix64;
 
-/// First legs that are drawn before the search gives up.
+/// Random sequences of first legs tried before the search gives up.
 const DRAWS: usize = 1_500;
 
-/// Most legs of one draw.
+/// Most legs of one sequence.
 const MAX_LEGS: usize = 5;
 
 /// Longest path of one leg.
 const SPAN_UM: f64 = 3_000.0;
 
-/// Budget of the planner from each beginning.
+/// Budget of the planner from the end of each sequence.
 const STEPS: u64 = 50_000;
 
 /// Legs of the only step, planned without first legs.
@@ -51,7 +51,7 @@ fn start(order: &MicrorobotsOrder) -> Vec<Pose> {
     order.robots.iter().map(|placed| placed.pose).collect()
 }
 
-/// Whether some first legs lead to a plan.
+/// Whether some sequence of first legs leads to a plan.
 pub fn has_plan(order: &MicrorobotsOrder) -> bool {
     let (world, start) = (World::new(order), start(order));
     let docked = vec![false; start.len()];
@@ -78,7 +78,7 @@ pub fn has_plan(order: &MicrorobotsOrder) -> bool {
     })
 }
 
-/// When the robots of an assembly dock: where they come within the precision of their goals.
+/// The leg at whose end each robot of an assembly docks: the first that ends within the precision of its goal.
 fn docks(order: &MicrorobotsOrder, legs: &[Leg], start: &[Pose]) -> Vec<tweeze::plan::microrobots::RobotDocking> {
     let Some(MicrorobotsAction::Assemble(docks)) = order.steps.first().map(|step| &step.action) else {
         return Vec::new();

@@ -21,7 +21,7 @@ const SHOWN_OBSTACLES: usize = 8;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DimibotOrder {
     pub facts: dimibot::DimibotFacts,
-    /// Where the robot's frame R1 stands in its scene; without it the scene is in the robot's own coordinates.
+    /// The robot's frame R1 in its scene; `None` if the scene is in the robot's own coordinates.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<Pose>,
     /// In the scene's coordinates. Shared by all tasks of one device in one scene.
@@ -29,9 +29,9 @@ pub struct DimibotOrder {
     pub objective: DimibotObjective,
     pub planner: DimibotPlanner,
     pub simultaneous: dimibot::Simultaneous,
-    /// Greatest distance of a place from its cell; without it any nearest cell is accepted.
+    /// Greatest distance of a position from its cell; `None` accepts any nearest cell.
     pub precision_um: Option<f64>,
-    /// `start at`, if the task has it; otherwise the robot stands where its last task left it, or at home.
+    /// `start at`, if the task has it; otherwise the robot starts where its last task left it, or at home.
     pub start: Option<Spanned<dimibot::LatticeCell>>,
     pub steps: Vec<DimibotStep>,
 }
@@ -50,11 +50,11 @@ impl KindOrder for DimibotOrder {
     }
 }
 
-/// Where a robot stands when a task begins that does not say so itself, and why.
+/// Cell of the robot at the beginning of a task without `start at`, and why it is there.
 #[derive(Debug, Clone, Copy)]
 pub enum StandingTip {
     AtHome(dimibot::LatticeCell),
-    /// Where its last task has ended.
+    /// Where its last task ended.
     LeftThere(dimibot::LatticeCell),
 }
 
@@ -64,8 +64,8 @@ impl DimibotOrder {
         if let Order::Dimibot(order) = order { Some(order) } else { None }
     }
 
-    /// E0507: the task starts at one cell by `start at`, and its robot stands at another. The checker finds it if the task before ends
-    /// at a known cell, the planner after a `visit`.
+    /// E0507: the task starts at one cell by `start at`, and its robot is at another. The checker finds this if the
+    /// previous task ends at a known cell, the planner after a `visit`.
     pub fn start_disagrees(
         &self,
         start: Spanned<dimibot::LatticeCell>,
@@ -80,8 +80,8 @@ impl DimibotOrder {
             .help(format!("leave `start at` out, or start where the last task of `{device}` ended: {stands}"))
     }
 
-    /// E0505: the robot stands on obstacles, given by their indices, when the task begins. Found by whoever knows the cell, as with
-    /// [`Self::start_disagrees`].
+    /// E0505: the robot is on obstacles, given by their indices, when the task begins. Reported by the stage that
+    /// knows the cell, as with [`Self::start_disagrees`].
     pub fn start_covered(&self, stands: StandingTip, obstacles: &[usize], job: &Job) -> Diagnostic {
         let (stands, help) = match stands {
             StandingTip::AtHome(cell) => {
@@ -104,12 +104,12 @@ impl DimibotOrder {
 }
 
 impl DimibotOrder {
-    /// The scene's coordinates of a place in the robot's own frame.
+    /// Converts a position from the robot's own frame to the scene's coordinates.
     pub fn in_scene_um(&self, own_um: [f64; 2]) -> [f64; 2] {
         in_scene_um(own_um, self.frame.as_ref())
     }
 
-    /// All places to be reached, in the order of the steps.
+    /// All positions to be reached, in the order of the steps.
     pub fn stops(&self) -> impl Iterator<Item = &DimibotStop> {
         self.steps.iter().flat_map(|step| match &step.action {
             DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops.as_slice(),
@@ -117,13 +117,13 @@ impl DimibotOrder {
         })
     }
 
-    /// The cell that is taken for the place of a stop, `cell (7, 14), 225.1 nm off`; `None` where a cell was asked for.
+    /// The cell chosen for the position of a stop, `cell (7, 14), 225.1 nm off`; `None` if the program gives a cell.
     pub fn taken_for(&self, stop: &DimibotStop) -> Option<String> {
         let off_um = to_decimals(self.off_um(stop)?, 4);
         Some(format!("cell {}, {} off", stop.cell, Quantity::length_um(off_um)))
     }
 
-    /// How far the cell of a stop lies from the place that was asked for; `None` where that was a cell.
+    /// Distance between the cell of a stop and the requested position; `None` if the program gives a cell.
     pub fn off_um(&self, stop: &DimibotStop) -> Option<f64> {
         let Asked::Place([x_um, y_um]) = stop.asked else { return None };
         let [cell_x_um, cell_y_um] = self.in_scene_um(self.facts.place_um(stop.cell));
@@ -131,7 +131,7 @@ impl DimibotOrder {
     }
 }
 
-/// The scene's coordinates of a place in the frame of a robot that stands there.
+/// Converts a position from the robot's own frame to the scene's coordinates.
 pub fn in_scene_um(own_um: [f64; 2], frame: Option<&Pose>) -> [f64; 2] {
     match frame {
         Some(frame) => (frame.isometry() * Point2::from(own_um)).coords.into(),
@@ -139,7 +139,7 @@ pub fn in_scene_um(own_um: [f64; 2], frame: Option<&Pose>) -> [f64; 2] {
     }
 }
 
-/// The coordinates of a place of the scene in the frame of a robot that stands there.
+/// Converts a position from the scene's coordinates to the robot's own frame.
 pub fn in_robot_um(scene_um: [f64; 2], frame: Option<&Pose>) -> [f64; 2] {
     match frame {
         Some(frame) => frame.isometry().inverse_transform_point(&Point2::from(scene_um)).coords.into(),
@@ -147,15 +147,15 @@ pub fn in_robot_um(scene_um: [f64; 2], frame: Option<&Pose>) -> [f64; 2] {
     }
 }
 
-/// How the plan is searched; all agree on its cost.
+/// Search method and budget; all methods agree on the cost of the plan.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DimibotPlanner {
     pub method: DimibotMethod,
-    /// States that one search may expand.
+    /// Most states that one search may expand.
     pub expansions: u64,
 }
 
-/// An obstacle to the tip.
+/// An obstacle for the tip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DimibotObstacle {
     /// The name in the scene.
@@ -169,14 +169,14 @@ pub struct DimibotObstacle {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DimibotObstacleBody {
-    /// Lattice cells, corners included, as in the paper: not grown. `from` is the lower corner in both axes.
+    /// Lattice cells, corners included, as in the paper: not grown. `from` is the lower corner on both axes.
     Cells { from: dimibot::LatticeCell, to: dimibot::LatticeCell },
     /// A body in the workspace, to be grown by tip radius and repeatability.
     Solid { shape: Shape, pose: Pose },
 }
 
 impl DimibotObstacleBody {
-    /// The body of a scene in the coordinates of a robot that stands there. Cells are the robot's own in any case.
+    /// The body in the coordinates of the robot with this frame. Cells are always in the robot's own coordinates.
     pub fn seen_from(&self, frame: Option<&Pose>) -> Cow<'_, DimibotObstacleBody> {
         match (self, frame) {
             (DimibotObstacleBody::Solid { shape, pose }, Some(frame)) => {
@@ -198,7 +198,7 @@ pub struct DimibotStep {
 }
 
 impl DimibotStep {
-    /// Its places; none for a wait.
+    /// Its stops; empty for a wait.
     pub fn stops(&self) -> &[DimibotStop] {
         match &self.action {
             DimibotAction::Move(stops) | DimibotAction::Visit(stops) => stops,
@@ -211,19 +211,19 @@ impl DimibotStep {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DimibotAction {
-    /// Through the stops in their order; the last one is the goal.
+    /// Through the stops in this order; the last one is the goal.
     Move(Vec<DimibotStop>),
-    /// Through all stops, in whatever order is best.
+    /// Through all stops in the best order; the plan chooses where it ends.
     Visit(Vec<DimibotStop>),
     /// Nothing is switched for this time, in nanoseconds.
     Wait(u64),
 }
 
-/// A place to be reached.
+/// A position to be reached.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DimibotStop {
     pub asked: Asked,
-    /// The cell that stands for it.
+    /// The cell chosen for it.
     pub cell: dimibot::LatticeCell,
     #[serde(skip)]
     pub span: Span,
@@ -234,6 +234,7 @@ pub struct DimibotStop {
 #[serde(rename_all = "snake_case")]
 pub enum Asked {
     Cell,
-    /// A place in the scene's coordinates; without a frame these are the robot's own, from word 0 along the axes of R1.
+    /// A position in the scene's coordinates; without a frame these are the robot's own, from word 0 along the axes
+    /// of R1.
     Place([f64; 2]),
 }

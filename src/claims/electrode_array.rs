@@ -15,16 +15,16 @@ pub struct ElectrodeArrayOrder {
     pub facts: ElectrodeArrayFacts,
     /// Shared by all tasks of one device in one scene, like the parts.
     pub obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
-    /// The parts of the scene, in the order of writing. All tasks of one device in one schedule have parts of the same names.
+    /// The parts of the scene, in source order. All tasks of one device in one schedule have parts of the same names.
     pub parts: Arc<Vec<BoardPart>>,
-    /// The heaters, detectors and magnets of the scene, in the order of writing; no two of one sort share an electrode.
+    /// The heaters, detectors and magnets of the scene, in source order; no two of one sort share an electrode.
     #[serde(default, skip_serializing_if = "has_no_zones")]
     pub zones: Arc<Vec<BoardZone>>,
     pub objective: ElectrodeArrayObjective,
     pub planner: ElectrodeArrayPlanner,
     /// Whether parts without a goal may move.
     pub bystanders: Bystanders,
-    /// What droplets must contain when they were last on the board.
+    /// Required contents of droplets, checked when they were last on the board.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contents: Vec<DropletContent>,
     #[serde(default, skip_serializing_if = "Contamination::is_unheeded")]
@@ -79,44 +79,45 @@ impl ElectrodeArrayOrder {
     }
 }
 
-/// What a droplet must contain. Every part that the scene puts on the board, and every reservoir, is a fluid of its own by its name; a droplet
-/// that is put or dispensed there is one of it, two that merge are added up, and a split makes two halves.
+/// A requirement on the content of a droplet. Every part that the scene puts on the board, and every reservoir, is a
+/// fluid of its own, of the same name. A droplet that is put on the board or dispensed consists of that fluid; a
+/// merge adds up contents, and a split makes two halves of the same content.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DropletContent {
-    /// Index of the order's parts.
+    /// Index into the order's parts.
     pub part: usize,
     pub share: DropletShare,
     pub relation: Relation,
-    /// In droplets for a volume, else from 0 to 1.
+    /// In droplets for a volume, otherwise a fraction from 0 to 1.
     pub limit: f64,
     #[serde(skip)]
     pub span: Span,
 }
 
-/// Fluids of which droplets leave traces on electrodes that must not get into others. A droplet leaves all that it contains on every electrode
-/// to which it comes.
+/// Contamination rules: which fluids' traces on electrodes must not get into which droplets. A droplet leaves traces
+/// of all its fluids on every electrode that it visits.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Contamination {
     pub avoided: Vec<AvoidedTrace>,
-    /// Fluids by their names: a droplet of nothing but these takes away what was left on the electrodes to which it comes, and takes no
-    /// harm.
+    /// Names of the wash fluids: a droplet that contains only these removes the traces on the electrodes that it
+    /// visits, and cannot be contaminated.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub washes: Vec<String>,
-    /// For each part the fluids that it contains before the task; none if it is not on the board by then.
+    /// For each part, the fluids that it contains before the task; empty if it is not on the board then.
     #[serde(skip)]
     pub before: Vec<Fluids>,
-    /// How wash droplets come by themselves, if they do; those are among the operations then.
+    /// Source and exit of wash droplets, if the compiler adds them; they are then among the operations.
     #[serde(skip)]
     pub course: Option<Box<WashCourse>>,
 }
 
-/// Where wash droplets come from, and where they leave.
+/// Where wash droplets come from and where they leave.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WashCourse {
-    /// The reservoir's name, and so that of the fluid.
+    /// The name of the reservoir, and thus of the fluid.
     pub fluid: String,
     pub outlet: ElectrodeCell,
-    /// Time in which one is dispensed, in nanoseconds.
+    /// Time in which a wash droplet is dispensed, in nanoseconds.
     pub dispense_ns: u64,
     pub exit: ElectrodeArrayStop,
     pub span: Span,
@@ -126,24 +127,25 @@ pub struct WashCourse {
 pub type Fluids = BTreeSet<String>;
 
 impl Contamination {
-    /// Whether a droplet of some fluids must not come to what one of others has left.
+    /// Whether a droplet of the fluids `comes` must not enter an electrode with traces of the fluids `left`.
     pub fn does_harm(&self, left: &Fluids, comes: &Fluids) -> bool {
         let (is_left, is_own) = (|fluid: &String| left.contains(fluid), |fluid: &String| comes.contains(fluid));
         self.avoided.iter().any(|trace| is_left(&trace.of) && is_own(&trace.within) && !is_own(&trace.of))
     }
 
-    /// Whether a droplet takes away what others have left.
+    /// Whether a droplet of these fluids removes traces.
     pub fn is_wash(&self, fluids: &Fluids) -> bool {
         !fluids.is_empty() && fluids.iter().all(|fluid| self.washes.contains(fluid))
     }
 
-    /// Whether nothing is avoided.
+    /// Whether there is no rule.
     pub fn is_unheeded(&self) -> bool {
         self.avoided.is_empty()
     }
 }
 
-/// No droplet that contains one fluid and not another comes onto an electrode with traces of that other one.
+/// A rule: no droplet that contains the fluid `within`, but not the fluid `of`, enters an electrode with traces of
+/// `of`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AvoidedTrace {
     pub of: String,
@@ -152,21 +154,21 @@ pub struct AvoidedTrace {
     pub span: Span,
 }
 
-/// A figure of what a droplet contains.
+/// A measure of a droplet's content.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DropletShare {
-    /// In droplets as they are dispensed.
+    /// In units of a dispensed droplet.
     Volume,
-    /// The part of its volume that is this fluid.
+    /// The volume fraction of this fluid.
     Fluid(String),
 }
 
-/// How the plan is searched.
+/// Search method and budget.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ElectrodeArrayPlanner {
     pub method: ElectrodeArrayMethod,
-    /// States that the search of one step of the task may expand.
+    /// Most states that the search of one step of the task may expand.
     pub expansions: u64,
 }
 
@@ -176,11 +178,11 @@ pub struct ElectrodeArrayPlanner {
 pub enum Bystanders {
     /// They do not move.
     Stay,
-    /// They may step aside, and come back before the step of the task ends.
+    /// They may step aside, but return before the step of the task ends.
     Yield,
 }
 
-/// Something that no part may come near.
+/// An obstacle that no part may come near.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ElectrodeArrayObstacle {
     /// The name in the scene.
@@ -194,9 +196,10 @@ pub struct ElectrodeArrayObstacle {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ElectrodeArrayObstacleBody {
-    /// Electrodes, corners included; `from` is the lower corner in both axes. Centres keep the clearance of the facts from each.
+    /// Electrodes, corners included; `from` is the lower corner on both axes. Part centres keep the clearance of the
+    /// facts from each of them.
     Electrodes { from: ElectrodeCell, to: ElectrodeCell },
-    /// A part that is stuck with its centre there. Centres keep the separation of the facts from it.
+    /// A part that is stuck with its centre there. Part centres keep the separation of the facts from it.
     Fixed(ElectrodeCell),
 }
 
@@ -205,14 +208,14 @@ pub enum ElectrodeArrayObstacleBody {
 pub struct BoardPart {
     /// The name in the scene.
     pub name: String,
-    /// Where it stands before the device's first task; `None` for a droplet that a reservoir dispenses.
+    /// Its cell before the device's first task; `None` for a droplet that a reservoir dispenses.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<ElectrodeCell>,
     #[serde(skip)]
     pub span: Span,
 }
 
-/// What lies under or over some electrodes: a block, corners included; `from` is the lower corner in both axes.
+/// A zone: what is under or over a block of electrodes, corners included; `from` is the lower corner on both axes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BoardZone {
     /// The name in the scene.
@@ -225,7 +228,7 @@ pub struct BoardZone {
 }
 
 impl ElectrodeArrayAction {
-    /// The operations of an assay; none of another step.
+    /// The operations of an assay; empty for other steps.
     pub fn operations(&self) -> &[AssayOperation] {
         match self {
             ElectrodeArrayAction::Assay(operations) => operations,
@@ -235,30 +238,30 @@ impl ElectrodeArrayAction {
 }
 
 impl BoardZone {
-    /// Whether an electrode is one of its own.
+    /// Whether an electrode belongs to it.
     pub fn holds(&self, cell: ElectrodeCell) -> bool {
         (self.from.column..=self.to.column).contains(&cell.column) && (self.from.row..=self.to.row).contains(&cell.row)
     }
 
-    /// The cell for which its name stands: in the middle, or left of it and below where none is.
+    /// The cell that its name stands for: the middle one, rounded towards the left and below.
     pub fn middle(&self) -> ElectrodeCell {
         let between = |low: u32, high: u32| low + high.saturating_sub(low) / 2;
         ElectrodeCell::new(between(self.from.column, self.to.column), between(self.from.row, self.to.row))
     }
 }
 
-/// In which zone a part stays.
+/// The zone in which a part stays.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ZoneStay {
-    /// Index of the order's zones.
+    /// Index into the order's zones.
     pub zone: usize,
-    /// Of a heater; the same wherever the program names it.
+    /// Temperature of a heater; the same wherever the program names it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature_k: Option<f64>,
 }
 
 impl BoardPart {
-    /// The name before its index: `m` of `m3`, which is `m[3]`, and of `m3_12`; `None` for a part without an index.
+    /// The name without its index: `m` of `m3`, which is `m[3]`, and of `m3_12`; `None` for a part without an index.
     pub fn family(&self) -> Option<&str> {
         let before = |name: &str| name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
         let mut own = before(&self.name);
@@ -284,26 +287,26 @@ pub struct ElectrodeArrayStep {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ElectrodeArrayAction {
-    /// Parts to their goals at the same time; the step ends when the last one has arrived.
+    /// Moves parts to their goals at the same time; the step ends when the last one has arrived.
     Move(Vec<ElectrodeArrayMove>),
-    /// Operations of which those of one part follow each other in this order; what different parts do depends on nothing but where they
-    /// merge. The step ends when all are done.
+    /// Operations; those of one part are performed in this order. Operations of different parts are independent,
+    /// except where parts merge or one is declared to come after another. The step ends when all are done.
     Assay(Vec<AssayOperation>),
     /// Nothing moves for this time, in nanoseconds.
     Wait(u64),
 }
 
-/// Action of one part in a step, or of two that become one.
+/// The move of one part in a step, or of two that merge.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ElectrodeArrayMove {
-    /// Index of the order's parts.
+    /// Index into the order's parts.
     pub part: usize,
-    /// The part that it merges with at its goal: from then on that one is gone, and this one is both.
+    /// The part that it merges with at its goal; from then on that part is gone, and this one is both.
     pub with: Option<usize>,
-    /// Its stops, in order; the last one is its goal. One stop where parts merge.
+    /// Its stops, in order; the last one is its goal. A single stop if parts merge.
     pub stops: Vec<ElectrodeArrayStop>,
-    /// The number of its team in the step. The moves of a team, each of one stop, share their goals: at each ends one of its parts, whichever
-    /// the plan chooses.
+    /// The number of its team in the step. The moves of a team, each of one stop, share their goals: one of the parts
+    /// ends at each goal, and the plan chooses which.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub team: Option<usize>,
     #[serde(skip)]
@@ -311,17 +314,17 @@ pub struct ElectrodeArrayMove {
 }
 
 impl ElectrodeArrayMove {
-    /// A move of one part that is in no team.
+    /// A move of one part that belongs to no team.
     pub fn alone(part: usize, stops: Vec<ElectrodeArrayStop>, span: Span) -> ElectrodeArrayMove {
         ElectrodeArrayMove { part, with: None, stops, team: None, span }
     }
 
-    /// The parts that it takes from their cells.
+    /// The parts that it moves.
     pub fn parts(&self) -> impl Iterator<Item = usize> + use<> {
         [Some(self.part), self.with].into_iter().flatten()
     }
 
-    /// Where it ends, if it is in no team.
+    /// Its goal, for a move that belongs to no team.
     pub fn goal(&self) -> &ElectrodeArrayStop {
         self.stops.last().expect("the checker gives every move a goal")
     }
@@ -333,69 +336,70 @@ pub struct ElectrodeArrayStop {
     pub cell: ElectrodeCell,
     #[serde(skip)]
     pub span: Span,
-    /// Where it was given, if a name stands in the step.
+    /// The definition of the cell, if the step refers to it by name.
     #[serde(skip)]
     pub origin: Option<ValueOrigin>,
 }
 
-/// What one part of an assay does, or two that become one.
+/// An operation of one part of an assay, or of two that merge.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AssayOperation {
-    /// Index of the order's parts.
+    /// Index into the order's parts.
     pub part: usize,
-    /// The part that it merges with at its stop: from then on that one is gone, and this one is both.
+    /// The part that it merges with at its stop; from then on that part is gone, and this one is both.
     pub with: Option<usize>,
-    /// Its stops, in order; one where parts merge. None: it stays where its last operation left it.
+    /// Its stops, in order; a single one if parts merge. Empty if it stays where its last operation left it.
     pub stops: Vec<ElectrodeArrayStop>,
-    /// The places of which the plan chooses its one stop, at least two; until then that is the first of them. None where the program names
-    /// the stop.
+    /// The candidate places for its single stop, at least two, of which the plan chooses one; until then the stop is
+    /// the first of them. Empty if the program names the stop.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub among: Vec<OperationPlace>,
-    /// The least time for which it stays at the last stop, or is mixed there, in nanoseconds.
+    /// Least time for which it stays at the last stop, or is mixed there, in nanoseconds.
     pub stay_ns: u64,
-    /// The heater, detector or magnet in which it stays meanwhile.
+    /// The heater, detector or magnet in which it stays during that time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub zone: Option<ZoneStay>,
-    /// Whether it is moved round the mixing loop meanwhile whose corner the last stop is.
+    /// Whether it is moved around the mixing loop during that time; the last stop is the loop's corner.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub mixes: bool,
-    /// The droplet that comes out of it on the way from the first of its two stops to the second.
+    /// The droplet that is split off on the way from the first of its two stops to the second.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub splits: Option<SplitDroplet>,
-    /// Whether it comes onto the board at its one stop, the outlet of a reservoir, which dispenses it while it stays.
+    /// Whether a reservoir dispenses it while it stays: it enters the board at its single stop, the outlet.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub comes: bool,
-    /// The name of that reservoir, and so of the fluid.
+    /// The name of that reservoir, and thus of the fluid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fluid: Option<String>,
-    /// Whether it leaves the board at the last stop and is gone from then on.
+    /// Whether it leaves the board at the last stop, for good.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub leaves: bool,
-    /// Indices of earlier operations of the assay that are done before it stays at the last stop, merges, is mixed, is split, comes or
-    /// leaves.
+    /// Indices of earlier operations of the assay that must be done before it stays at the last stop, merges, is
+    /// mixed, is split, is dispensed or leaves.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub after: Vec<usize>,
-    /// How soon after others it begins.
+    /// Time limit for its beginning after other operations.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub within: Option<OperationLag>,
     #[serde(skip)]
     pub span: Span,
 }
 
-/// A place at which an operation may take place.
+/// A candidate place for an operation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct OperationPlace {
     pub stop: ElectrodeArrayStop,
-    /// Index of the order's zones, for what takes place in one.
+    /// Index into the order's zones, if the operation takes place in one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub zone: Option<usize>,
 }
 
-/// The longest time from the end of some operations to the beginning of another one: the instant from which on it stays, is mixed or is
-/// dispensed, the beginning of the step in which it is split, or that at which it merges, leaves or is at its last stop.
+/// The longest time from the end of some operations to the beginning of another. The beginning is the instant at
+/// which it starts to stay, to be mixed or to be dispensed, the beginning of the step in which it is split, or the
+/// instant at which it merges, leaves or is at its last stop.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct OperationLag {
-    /// Indices of earlier operations of the assay, at least one; the time counts from the last of them on.
+    /// Indices of earlier operations of the assay, at least one; the time counts from the end of the last of them.
     pub of: Vec<usize>,
     /// In nanoseconds.
     pub most_ns: u64,
@@ -403,24 +407,25 @@ pub struct OperationLag {
     pub span: Span,
 }
 
-/// A droplet that another one gives off.
+/// A droplet that is split off another one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SplitDroplet {
-    /// Index of the order's parts; not on the board before.
+    /// Index into the order's parts; not on the board before.
     pub part: usize,
-    /// Where it comes: beside the cell at which the other one splits, opposite to where that one goes.
+    /// The cell where it appears: beside the cell of the split, opposite to the direction in which the other droplet
+    /// goes.
     pub cell: ElectrodeCell,
 }
 
 impl SplitDroplet {
-    /// Where it comes by its operation.
+    /// The stop at which its operation puts it.
     pub fn stop(&self, operation: &AssayOperation) -> ElectrodeArrayStop {
         ElectrodeArrayStop { cell: self.cell, span: operation.span, origin: None }
     }
 }
 
 impl AssayOperation {
-    /// An operation that stays for no time, and after which its part is still there.
+    /// An operation without a stay, after which its part is still on the board.
     pub fn passing(part: usize, stops: Vec<ElectrodeArrayStop>, span: Span) -> AssayOperation {
         AssayOperation {
             part,
@@ -440,20 +445,21 @@ impl AssayOperation {
         }
     }
 
-    /// It at one of the places of which the plan chooses, by its index among them.
+    /// The operation with its candidate place fixed, by the place's index.
     pub fn at_place(&self, place: usize) -> AssayOperation {
         let Some(OperationPlace { stop, zone }) = self.among.get(place) else { return self.clone() };
         let zone = zone.and_then(|zone| Some(ZoneStay { zone, ..self.zone? }));
         AssayOperation { stops: vec![stop.clone()], among: Vec::new(), zone, ..self.clone() }
     }
 
-    /// It at that of its places which is a cell, if there is one.
+    /// The operation with its candidate place fixed to this cell; `None` if the cell is not a candidate.
     pub fn at_cell(&self, cell: [u32; 2]) -> Option<AssayOperation> {
         let place = self.among.iter().position(|place| place.stop.cell.pair() == cell)?;
         Some(self.at_place(place))
     }
 
-    /// The parts that some operations of an assay leave where the plan chooses, with those that bring them there.
+    /// The parts whose place after some operations of an assay is the plan's choice, each with the operation that
+    /// brings it there.
     pub fn left_open(operations: &[AssayOperation]) -> BTreeMap<usize, &AssayOperation> {
         let mut open = BTreeMap::new();
         for operation in operations {
@@ -470,7 +476,7 @@ impl AssayOperation {
         open
     }
 
-    /// The zones in which its part may stay: several where the plan chooses.
+    /// The zones in which its part may stay: several if the plan chooses.
     pub fn zone_stays(&self) -> impl Iterator<Item = ZoneStay> + '_ {
         let others = self.among.iter().skip(1).filter_map(|place| place.zone);
         self.zone.into_iter().flat_map(move |stay| {
@@ -478,14 +484,14 @@ impl AssayOperation {
         })
     }
 
-    /// What its part contains, of all parts, as soon as it begins.
+    /// Updates the fluids of all parts for the beginning of the operation.
     pub fn begin_fluids(&self, fluids: &mut [Fluids]) {
         if let Some(fluid) = &self.fluid {
             fluids[self.part] = Fluids::from([fluid.clone()]);
         }
     }
 
-    /// What its parts contain, of all parts, once it is done; of two that merge, both are all that either was.
+    /// Updates the fluids of all parts for its end. After a merge, both parts have the fluids of both.
     pub fn end_fluids(&self, fluids: &mut [Fluids]) {
         if let Some(with) = self.with {
             let both: Fluids = fluids[self.part].union(&fluids[with]).cloned().collect();
@@ -496,17 +502,17 @@ impl AssayOperation {
         }
     }
 
-    /// The parts that it needs.
+    /// The parts that it requires.
     pub fn parts(&self) -> impl Iterator<Item = usize> + use<> {
         [Some(self.part), self.with].into_iter().flatten()
     }
 
-    /// The parts that it needs, and the one that it makes of them.
+    /// The parts that it requires, and the part that it creates.
     pub fn all_parts(&self) -> impl Iterator<Item = usize> + use<> {
         self.parts().chain(self.splits.map(|droplet| droplet.part))
     }
 
-    /// The part that is on the board since it, and where it comes.
+    /// The part that it brings onto the board, and its cell.
     pub fn new_part(&self) -> Option<(usize, ElectrodeCell)> {
         match (self.splits, self.stops.first()) {
             (Some(droplet), _) => Some((droplet.part, droplet.cell)),
@@ -515,12 +521,12 @@ impl AssayOperation {
         }
     }
 
-    /// The steps of the board for which its part stays at the last stop, or is mixed there.
+    /// Number of steps of the board for which its part stays at the last stop, or is mixed there.
     pub fn stay_steps(&self, facts: &ElectrodeArrayFacts) -> u64 {
         if self.mixes { facts.mixing_steps(self.stay_ns) } else { self.stay_ns.div_ceil(facts.step_ns) }
     }
 
-    /// The part that is gone when it is done.
+    /// The part that is gone after it.
     pub fn gone(&self) -> Option<usize> {
         self.with.or(self.leaves.then_some(self.part))
     }

@@ -15,7 +15,7 @@ use crate::geometry::outline::Outline;
 use crate::source::Span;
 use std::sync::Arc;
 
-/// A task on a bed without obstacles and without steps. Each robot has its row of the table and its place.
+/// A task on a bed without obstacles and without steps. Each robot is given by its row of the table and its pose.
 pub fn bed_order(
     facts: MicrorobotsFacts,
     states: Vec<ControlState>,

@@ -11,17 +11,17 @@ use std::sync::Arc;
 /// A task of microrobots.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MicrorobotsOrder {
-    /// Shared by all tasks of one device, like the states.
+    /// Shared by all tasks of one device; likewise the states.
     pub facts: Arc<MicrorobotsFacts>,
-    /// The control states that the bed's voltage can reach; `apply state 2` is that of index 2. Of a STRING table, state j lowers
-    /// the j arms that snap first.
+    /// The control states that the bed's voltage can set; `apply state 2` is that of index 2. In a STRING table,
+    /// state j lowers the j arms that snap down first.
     pub states: Arc<Vec<ControlState>>,
-    /// Shared by all tasks of one device in one scene, like the robots.
+    /// Shared by all tasks of one device in one scene; likewise the robots.
     pub obstacles: Arc<Vec<MicrorobotsObstacle>>,
-    /// The robots of the scene, in the order of the table; rows that the scene leaves out are not on the bed. All tasks of one
-    /// device in one schedule have the same robots.
+    /// The robots of the scene, in the order of the table; rows that the scene leaves out are not on the bed. All
+    /// tasks of one device in one schedule have the same robots.
     pub robots: Arc<Vec<Placed>>,
-    /// Ways that the search of one step may expand.
+    /// Most paths that the search of one step may expand.
     pub expansions: u64,
     #[serde(default, skip_serializing_if = "is_time")]
     pub objective: MicrorobotsObjective,
@@ -56,7 +56,7 @@ impl MicrorobotsOrder {
     }
 }
 
-/// An obstacle to all robots.
+/// An obstacle for all robots.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MicrorobotsObstacle {
     /// The name in the scene.
@@ -70,9 +70,9 @@ pub struct MicrorobotsObstacle {
 /// A robot on the bed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Placed {
-    /// Index of the facts' robots.
+    /// Index into the facts' robots.
     pub row: usize,
-    /// Where it stands before the device's first task.
+    /// Its pose before the device's first task.
     pub pose: Pose,
     #[serde(skip)]
     pub span: Span,
@@ -89,7 +89,7 @@ pub struct Precision {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Assurance {
-    /// It is reported. Logs have had another word for it.
+    /// It is reported. Logs use an older word for this.
     #[serde(rename = "told")]
     Reported,
     /// It is an error.
@@ -108,11 +108,11 @@ pub struct MicrorobotsStep {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MicrorobotsAction {
-    /// The drive train in a control state for this time, without its control cycle; rounded up to whole strokes.
+    /// Runs the drive train in a control state for this time, without its control cycle; rounded up to whole strokes.
     Apply { state: usize, duration_ns: u64 },
-    /// One robot through poses in this order; the last one is its goal.
+    /// Drives one robot through poses in this order; the last one is its goal.
     Drive { robot: usize, stops: Vec<MicrorobotsStop> },
-    /// Robots to goals where they dock with one another; at least two, each once.
+    /// Drives robots to goals where they dock with one another; at least two, each once.
     Assemble(Vec<Dock>),
     /// The bed is at 0 V for this time, in nanoseconds: all arms go up and nothing moves.
     Wait(u64),
@@ -124,7 +124,7 @@ pub struct MicrorobotsStop {
     pub pose: Pose,
     #[serde(skip)]
     pub span: Span,
-    /// Where it was given, if a name stands in the step.
+    /// The definition of the pose, if the step refers to it by name.
     #[serde(skip)]
     pub origin: Option<ValueOrigin>,
 }
@@ -132,7 +132,7 @@ pub struct MicrorobotsStop {
 /// A robot's place in a structure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Dock {
-    /// Index of the order's robots.
+    /// Index into the order's robots.
     pub robot: usize,
     pub goal: MicrorobotsStop,
 }

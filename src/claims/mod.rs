@@ -1,7 +1,9 @@
-//! Claims of a program: the checked form of one schedule to be built, without an unresolved name or a bare number.
+//! Claims of a program: the checked form of one schedule to be built, with every name resolved and every number with
+//! its unit.
 //!
-//! Planners read it as their order, the verifier as the rules. It is written into a log as JSON and derived again from the
-//! embedded source when the log is verified; spans, which only messages need, are left out of that form.
+//! Planners read the claims as their order, the verifier as the rules. They are written into a log as JSON and
+//! derived again from the embedded source when the log is verified; spans, which only messages need, are left out of
+//! that form.
 
 pub mod auxiliary;
 pub mod dimibot;
@@ -19,60 +21,61 @@ use auxiliary::{AuxiliaryEvent, Hold};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Where a value was given whose name stands in a step.
+/// Definition of a value that a step refers to by name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValueOrigin {
     pub span: Span,
-    /// What a label says there.
+    /// Text of the label at that place.
     pub text: String,
 }
 
-/// One schedule to be built: a program, or a task on its own.
+/// One schedule to be built: a program, or a single task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Claims {
     /// The program's or task's name, and the stem of its files.
     pub name: String,
-    /// When each job runs.
+    /// Order in time of the jobs.
     pub timeline: Timeline,
     /// Every run of a task, in source order; [`Timeline::Run`] has indices into this list.
     pub jobs: Vec<Job>,
     /// The physical output of each wired channel, by the channel's full name (`bot.bl0.set`).
     pub wires: BTreeMap<String, String>,
-    /// The instruments behind them, where the program declares any.
+    /// The instruments behind the channels, if the program declares any.
     #[serde(default, skip_serializing_if = "Bench::is_empty")]
     pub bench: Bench,
     /// The auxiliary outputs that its tasks switch, by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub outputs: BTreeMap<String, AuxiliaryOutput>,
-    /// The scenes in which two or more of the program's robots have a place: these never touch one another.
+    /// Scenes in which two or more of the program's robots have a frame; these robots must never touch one another.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shared: Vec<SharedScene>,
-    /// Devices that run together in one scene without a check of their distance, since one of them has no place there.
+    /// Pairs of devices that run together in one scene without a check of their distance, because one of them has no
+    /// frame there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_held: Vec<[String; 2]>,
-    /// Where the program or task is declared.
+    /// Place of the program's or task's declaration.
     #[serde(skip)]
     pub span: Span,
 }
 
 impl Claims {
-    /// The first job of each kind, in the order of writing.
+    /// The first job of each kind, in source order.
     pub fn first_of_kinds(&self) -> impl Iterator<Item = &Job> {
         let is_first = |index: usize| self.jobs[..index].iter().all(|before| before.kind() != self.jobs[index].kind());
         (0..self.jobs.len()).filter(move |index| is_first(*index)).map(|index| &self.jobs[index])
     }
 
-    /// Whether a device has a place beside another one's, so that it may need to wait for it.
+    /// Whether a device has a frame beside another one's, so that it may have to wait for it.
     pub fn is_shared(&self, device: &str) -> bool {
         self.shared.iter().any(|scene| scene.frames.contains_key(device))
     }
 
-    /// How far a device may be off its ways, in micrometres: the least figure of its jobs, if its kind has one.
+    /// Tolerance of a device's paths, in micrometres: the smallest of its jobs; `None` if its kind has none.
     pub fn tolerance_um(&self, device: &str) -> Option<f64> {
         self.least_of(device, |order| order.tolerance_um())
     }
 
-    /// How well the voltages are known at which a device does what it does: the least figure of its jobs, if its kind has one.
+    /// Margin of a device's switching voltages, in volts: the smallest of its jobs; `None` if its kind has none.
     pub fn margin_v(&self, device: &str) -> Option<f64> {
         self.least_of(device, |order| order.margin_v())
     }
@@ -82,7 +85,8 @@ impl Claims {
         own.filter_map(|job| figure(job.order.asked())).reduce(f64::min)
     }
 
-    /// Where a device stands in pictures and beside others: the same in every scene of a program that places it.
+    /// The frame of a device in pictures and beside others; it is the same in every scene of a program that places
+    /// the device.
     pub fn frame(&self, device: &str) -> Option<Pose> {
         let shared = self.shared.iter().find_map(|scene| scene.frames.get(device));
         let own = || {
@@ -93,24 +97,24 @@ impl Claims {
     }
 }
 
-/// A scene with the robots of a program that have a place in it.
+/// A scene with the frames of the robots that a program places in it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SharedScene {
     pub scene: String,
-    /// Where the frame of each robot stands, by its device.
+    /// The frame of each robot, by its device.
     pub frames: BTreeMap<String, Pose>,
 }
 
-/// Jobs on one clock.
+/// Timeline of jobs on one clock.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Timeline {
     Run(usize),
-    /// Nothing happens for this time.
+    /// Idle time, in nanoseconds.
     Wait(u64),
-    /// One after the other, each from the end of the one before.
+    /// One after the other, each from the end of the previous one.
     Sequence(Vec<Timeline>),
-    /// All from the same instant; the next part begins when the longest has ended.
+    /// All from the same instant; what follows begins when the longest has ended.
     Together(Vec<Timeline>),
 }
 
@@ -131,7 +135,7 @@ impl Timeline {
         }
     }
 
-    /// Its nesting: 1 for a run or a wait.
+    /// Nesting depth: 1 for a run or a wait.
     pub fn depth(&self) -> usize {
         match self {
             Timeline::Run(_) | Timeline::Wait(_) => 1,
@@ -142,7 +146,7 @@ impl Timeline {
     }
 }
 
-/// Flat list of parts; those that `open` takes apart are replaced by their content.
+/// Flattens a list of parts; those that `open` takes apart are replaced by their content.
 fn spliced(parts: Vec<Timeline>, open: fn(Timeline) -> Result<Vec<Timeline>, Timeline>) -> Vec<Timeline> {
     let mut flat = Vec::with_capacity(parts.len());
     for part in parts {
@@ -158,7 +162,8 @@ fn spliced(parts: Vec<Timeline>, open: fn(Timeline) -> Result<Vec<Timeline>, Tim
     flat
 }
 
-/// Greatest nesting of a timeline. A log contains it as JSON, two levels for each of these, and JSON readers allow 128.
+/// Greatest nesting depth of a timeline. A log contains it as JSON, with two levels for each of these, and JSON
+/// readers allow 128.
 pub const MAX_TIMELINE_DEPTH: usize = 60;
 
 /// One run of a task.
@@ -169,16 +174,16 @@ pub struct Job {
     /// The conditions on the outcome.
     pub requirements: Vec<Requirement>,
     pub order: Order,
-    /// What it does to auxiliary outputs, in the order of its steps; such a step is one of no duration in the order.
+    /// Actions on auxiliary outputs, in the order of the job's steps; in the order such a step has no duration.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub events: Vec<AuxiliaryEvent>,
-    /// Where it waits for an input or a person, in the order of its steps.
+    /// Waits for an input or a person, in the order of the job's steps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub holds: Vec<Hold>,
-    /// Where the task is declared.
+    /// Place of the task's declaration.
     #[serde(skip)]
     pub span: Span,
-    /// Where it is run: the `run` step, or the declaration again.
+    /// Place of the `run` step, or of the declaration if there is none.
     #[serde(skip)]
     pub run_span: Span,
 }
@@ -189,12 +194,12 @@ impl Job {
         each_kind!(Order, &self.order, order => order.steps.len())
     }
 
-    /// Where each of its steps is written, in their order.
+    /// Places of its steps in the source, in order.
     pub fn step_spans(&self) -> Vec<Span> {
         each_kind!(Order, &self.order, order => order.steps.iter().map(|step| step.span).collect())
     }
 
-    /// Where the operations of a step are written of which several take place at the same time.
+    /// Places in the source of the operations of a step in which several take place at the same time.
     pub fn operation_spans(&self, nth: usize) -> Vec<Span> {
         self.order.asked().operation_spans(nth)
     }
@@ -215,54 +220,56 @@ pub enum Order {
     Fingers(fingers::FingersOrder),
 }
 
-/// What every stage may ask of a kind's order.
+/// Queries on every kind's order.
 pub trait KindOrder {
     /// The kind of its device.
     fn kind(&self) -> Kind;
 
-    /// Where the operations of a step are written of which several take place at the same time, in the order of the program.
+    /// Places in the source of the operations of a step in which several take place at the same time, in source
+    /// order.
     fn operation_spans(&self, _nth: usize) -> Vec<Span> {
         Vec::new()
     }
 
-    /// Whether what the device carries is held as long as a task runs, and let go between its tasks.
+    /// Whether the device holds what it carries only while a task runs, and releases it between its tasks.
     fn holds_in_runs_only(&self) -> bool {
         false
     }
 
-    /// Where the device stands in the scene, if the program says so.
+    /// The device's frame in the scene, if the program states it.
     fn frame(&self) -> Option<Pose> {
         None
     }
 
-    /// What is taken for each place of its steps that is none of the device's own, as `cell (7, 14), 225.1 nm off`, by where the place is
-    /// written; where that is known before there is a plan.
+    /// The state chosen for each position in its steps that is not one of the device's own, such as `cell (7, 14),
+    /// 225.1 nm off`, with the position's place in the source. Empty for kinds where this is not known before
+    /// planning.
     fn taken_for_places(&self) -> Vec<(Span, String)> {
         Vec::new()
     }
 
-    /// How far the device may be off the ways of its job, in micrometres, if its kind has such a figure. Planned ways use half of it.
+    /// Tolerance of the paths of the job, in micrometres; `None` if its kind has none. Planned paths use half of it.
     fn tolerance_um(&self) -> Option<f64> {
         None
     }
 
-    /// How well the voltages are known at which the device does what it does, in volts, if its kind has such a figure.
+    /// Margin of the device's switching voltages, in volts; `None` if its kind has none.
     fn margin_v(&self) -> Option<f64> {
         None
     }
 }
 
 impl Order {
-    /// The order as its kind.
+    /// The order through the interface that all kinds share.
     pub fn asked(&self) -> &dyn KindOrder {
         each_kind!(Order, self, order => order)
     }
 }
 
-/// `require time <= 400 ms`.
+/// A condition on an outcome: `require time <= 400 ms`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Requirement {
-    /// A name of the vocabulary's outcomes.
+    /// The outcome's name in the vocabulary.
     pub outcome: String,
     pub relation: Relation,
     /// In SI units of the outcome's dimension.
@@ -271,25 +278,27 @@ pub struct Requirement {
     pub span: Span,
 }
 
-/// Relative tolerance of a limit on a figure that is measured, not counted; allows for rounding in a sum of floats that meets the limit exactly.
+/// Relative tolerance of a limit on a measured outcome; allows for rounding in a sum of floats that meets the limit
+/// exactly.
 const MEASURED_TOLERANCE: f64 = 1e-9;
 
-/// The same of a count, or of a time in whole nanoseconds: only the limit is rounded, a few times in its arithmetic.
+/// Relative tolerance of a limit on a count or on a time in whole nanoseconds, where only the limit itself is
+/// rounded, a few times in its arithmetic.
 const COUNTED_TOLERANCE: f64 = 16.0 * f64::EPSILON;
 
 impl Requirement {
-    /// By how much, relative to the limit, an outcome may seem to miss it.
+    /// Relative tolerance of the limit.
     pub fn tolerance(&self) -> f64 {
         if is_counted(&self.outcome) { COUNTED_TOLERANCE } else { MEASURED_TOLERANCE }
     }
 
-    /// By how much an outcome may seem to miss the limit, in its unit.
+    /// Absolute tolerance of the limit, in its unit.
     pub fn slack(&self) -> f64 {
         self.limit.abs() * self.tolerance()
     }
 }
 
-/// How an outcome and its limit compare.
+/// Relation between an outcome and its limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Relation {
@@ -301,7 +310,8 @@ pub enum Relation {
 }
 
 impl Relation {
-    /// Whether an outcome and its limit compare so, up to a slack of at least 0 in their unit: what is excluded by less than that is not.
+    /// Whether the relation holds, up to a slack of at least 0 in the unit of both; a strict relation must hold by
+    /// more than the slack.
     pub fn holds(self, reached: f64, limit: f64, slack: f64) -> bool {
         match self {
             Relation::Less => reached < limit - slack,

@@ -1,4 +1,4 @@
-//! From a program's text to verified schedules: the stages in their order.
+//! Calls the stages in order, from a program's text to verified schedules.
 
 mod partial;
 
@@ -15,38 +15,38 @@ use crate::schedule::Schedule;
 use crate::source::Sources;
 use crate::verify::{self, Verified};
 
-/// What became of a program.
+/// A compiled program.
 pub struct Compiled {
     pub tally: DeclarationTally,
     /// In the order of declaration.
     pub schedules: Vec<Verified>,
 }
 
-/// How far a program came.
+/// Result of a compilation.
 pub enum CompileOutcome {
     Compiled(Compiled),
-    /// The program has errors, which were pushed.
+    /// The program has errors; they were pushed.
     Errors,
-    /// The verifier refused a schedule: the planner, and not the program, is at fault. The violations were pushed.
+    /// The verifier refused a schedule: a fault of the planner, not of the program. The violations were pushed.
     Refused,
 }
 
-/// Who follows a compilation while it goes on.
+/// Receives the progress of a compilation.
 pub trait CompileObserver {
-    /// The program is free of errors.
+    /// The program has no errors.
     fn checked(&mut self, _checked: &Checked) {}
 
-    /// A run of a schedule is about to be planned: its index, the number of runs, and its task.
+    /// A run of a schedule is about to be planned: index, number of runs, task.
     fn planning(&mut self, _index: usize, _count: usize, _task: &str) {}
 
     /// All runs of a schedule are planned and timed.
     fn scheduled(&mut self, _schedule: &Schedule, _claims: &Claims) {}
 
-    /// A schedule was accepted by the verifier.
+    /// The verifier accepted a schedule.
     fn verified(&mut self, _verified: &Verified) {}
 }
 
-/// Nobody.
+/// An observer that ignores everything.
 impl CompileObserver for () {}
 
 /// Plans of a schedule's jobs, with the schedule that the verifier accepted.
@@ -55,7 +55,8 @@ pub struct VerifiedPlans<'a> {
     pub verified: Verified,
 }
 
-/// Plans one schedule of a program and times it; `None` if it has no plan, of which the errors were pushed. It is not verified.
+/// Plans one schedule of a program and times it, without verification; `None` if it has no plan, in which case the
+/// errors were pushed.
 pub fn planned<'a>(
     claims: &'a Claims,
     sources: &Sources,

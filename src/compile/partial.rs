@@ -1,4 +1,4 @@
-//! What there is to see of a program that cannot be built: as much of it as is without a fault, planned and verified.
+//! Partial builds of a program with errors: as much of it as is without a fault, planned and verified.
 
 use super::{ProgramSource, check_program, verified_plans};
 use crate::check::imports;
@@ -9,27 +9,28 @@ use crate::diagnostic::{Sink, WrittenPlace};
 use crate::source::{Sources, Span};
 use crate::verify::Verified;
 
-/// Rounds in which faults are left out, since what remains may have faults that were hidden before; in the last one no task has a step.
+/// Rounds of leaving out faults: what remains may have faults that were hidden before. In the last round no task has
+/// a step.
 const MAX_ROUNDS: usize = 4;
 
-/// Part of a program that could be built.
+/// The part of a program that could be built.
 pub struct PartialBuild {
-    /// One schedule of the program without the parts at fault: of each task at fault, what comes before the first such step.
+    /// One schedule of the program without the faulty parts: of each faulty task, the steps before the first fault.
     pub verified: Verified,
-    /// The claims of the same schedule in the whole program, where all of them could be made.
+    /// The claims of the same schedule in the whole program, if all of them could be made.
     pub whole: Option<Claims>,
-    /// The places in the scene that the parts at fault are about.
+    /// The positions in the scene that the faulty parts refer to.
     pub places: Vec<WrittenPlace>,
 }
 
-/// Builds the rest of a program whose errors are known; `None` where nothing of it can be shown. The places of what is built, and of the
-/// errors, are those of the same program's sources.
+/// Builds the rest of a program whose errors are known; `None` if nothing of it can be shown. All places, of what is
+/// built and of the errors, refer to the sources of the same program.
 pub fn partial(program: &ProgramSource, errors: &Sink) -> Option<PartialBuild> {
     let mut faults = first_places(errors);
     let mut places = Vec::new();
     for round in 1..=MAX_ROUNDS {
         let (mut sources, mut sink) = (Sources::default(), Sink::default());
-        // What cannot be read is no part of the trees: its errors are known.
+        // Parts that cannot be parsed are missing from the trees; their errors are known already.
         let mut modules =
             imports::load(&mut sources, program.name, program.text, program.library, &mut Sink::default());
         let mut left_out = leave_out(&mut modules, &faults);
@@ -50,18 +51,18 @@ pub fn partial(program: &ProgramSource, errors: &Sink) -> Option<PartialBuild> {
     None
 }
 
-/// Where each error points to.
+/// The primary span of each error.
 fn first_places(errors: &Sink) -> Vec<Span> {
     errors.sorted().into_iter().filter(|error| error.is_error()).filter_map(|error| error.span()).collect()
 }
 
-/// The schedule to be shown: the first in which something was left out.
+/// The schedule to be shown: the first in which something was left out, or else the first.
 fn shown<'a>(checked: &'a Checked, left_out: &LeftOut) -> Option<&'a Claims> {
     let lacks = |claims: &&Claims| claims.jobs.iter().any(|job| left_out.tasks.contains(&job.span));
     checked.claims.iter().find(lacks).or(checked.claims.first())
 }
 
-/// The claims of the whole program for a schedule.
+/// The claims of a schedule in the whole program, by name.
 fn whole(program: &ProgramSource, name: &str) -> Option<Claims> {
     let checked = check_program(program, &mut Sources::default(), &mut Sink::default())?;
     checked.claims.into_iter().find(|claims| claims.name == name)

@@ -1,4 +1,4 @@
-//! The vocabulary in words: for `tweeze devices`, and for editors.
+//! Describes the vocabulary in words, for `tweeze devices` and for editors.
 
 use super::{Count, NONE, Need, Outcome, Sort, Verb, VocabularyField};
 use crate::quantity::Dimension;
@@ -54,12 +54,12 @@ impl Sort {
 }
 
 impl VocabularyField {
-    /// The field with its values.
+    /// The field's name and the values it takes.
     pub fn term(&self) -> String {
         format!("{}: {}", self.name, self.sort.text())
     }
 
-    /// What it is for, and what applies without it.
+    /// The field's purpose, and what applies if it is missing.
     pub fn meaning(&self) -> String {
         match self.need {
             Need::Required => self.doc.to_owned(),
@@ -70,7 +70,7 @@ impl VocabularyField {
 }
 
 impl Sort {
-    /// The dimension of its numbers, where all have one.
+    /// The dimension of its numbers, if all have the same.
     pub fn dimension(&self) -> Option<Dimension> {
         match self {
             Sort::Quantity { dimension, .. } | Sort::Vector { dimension, .. } => Some(*dimension),
@@ -103,7 +103,7 @@ impl Sort {
 }
 
 impl Verb {
-    /// What it does, and the prepositions that it takes.
+    /// The verb's effect, and the prepositions it takes.
     pub fn meaning(&self) -> String {
         let phrases = self.phrases.iter().map(|phrase| {
             let often = match phrase.count {
@@ -120,7 +120,7 @@ impl Verb {
 }
 
 impl Outcome {
-    /// How a condition on it is written, with the dimension of its limit: `require time: a time`.
+    /// The form of a condition on it, with the dimension of its limit: `require time: a time`.
     pub fn condition(&self) -> String {
         format!("require {}: {}", self.name, self.unit.dimension().name())
     }

@@ -1,13 +1,14 @@
-//! The closed list of device kinds, and the vocabulary that each brings: fields, units, limits, verbs, shapes.
+//! The closed list of device kinds and the vocabulary of each: fields, units, limits, verbs, shapes.
 //!
-//! A kind brings words, never syntax. The tables here are read by the checker, printed by `tweeze devices` and
-//! offered by completions, so that the three cannot disagree. Nothing here judges a program.
+//! A kind adds words, never syntax. The checker, `tweeze devices` and completions all read the tables here, so the
+//! three cannot disagree. Nothing here judges a program.
 //!
 //! # What a fifth kind costs
 //!
-//! Files of its own, all of one name: facts and words here, and `claims`, `check`, `plan`, `schedule`, `lower`, `verify`, `emit`
-//! and `cli/report` each with a file or a folder; besides, `stdlib/<kind>.twz` (with its line in `src/stdlib.rs`), an example, cases of the
-//! corpus. Each stage asks it through a small trait that stands in the stage's `mod.rs`. The shared files that name it are these:
+//! Files of its own, all of one name: facts and words here, and a file or a folder in each of `claims`, `check`,
+//! `plan`, `schedule`, `lower`, `verify`, `emit` and `cli/report`; also `stdlib/<kind>.twz` (with its line in
+//! `src/stdlib.rs`), an example, and corpus cases. Each stage calls it through a small trait in the stage's `mod.rs`.
+//! The shared files that name it are these:
 //!
 //! | file | what it gets |
 //! |---|---|
@@ -24,7 +25,7 @@
 //! | `src/cli/report/mod.rs` | the module |
 //! | `src/cli/mod.rs` | commands of its own, if it has any |
 //!
-//! `tests/tidy.rs` holds this table against the code, and counts the lines.
+//! `tests/tidy.rs` checks this table against the code, and counts the lines.
 
 mod described;
 pub mod dimibot;
@@ -39,25 +40,26 @@ use crate::quantity::{Dimension, Quantity, Unit, grouped};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Greatest limit of states that one search may expand: some ten gigabytes of memory.
+/// Largest node-expansion limit of one search: some ten gigabytes of memory.
 pub const MAX_EXPANSIONS: u32 = 200_000_000;
 
-/// The widest workspace, in micrometres: within it the rounding of a double stays far below the margins of planning.
+/// Widest workspace, in micrometres: within it the rounding of a double stays far below the margins of planning.
 pub const MAX_REACH_UM: f64 = 1e5;
 
-/// The most digits of a word that stands for a state: one for each of [`Sort::State`]'s modules.
+/// Most digits of a word that stands for a state: one for each of [`Sort::State`]'s modules.
 pub const MAX_WORD_DIGITS: u32 = 40;
 
-/// All kinds, each by its module and its variant, in the order of the handbook. Whatever is made alike for every kind is made of this
-/// list, by a macro that is handed what it is given and then the list.
+/// Calls a macro with the list of all kinds, each by its module and its variant, in the order of the handbook. Code
+/// that is the same for every kind is generated from this list: `$make` receives `$given`, then the list.
 macro_rules! for_each_kind {
     ($make:ident, $given:tt) => {
         $make! { $given dimibot Dimibot, electrode_array ElectrodeArray, microrobots Microrobots, fingers Fingers }
     };
 }
 
-/// The one match over the kinds, for each enum that has a variant of one field for every kind: the same expression for whichever variant
-/// a value is, its content under a name, as in `each_kind!(Order, &job.order, order => order.steps.len())`.
+/// Matches on the kind, for any enum that has one single-field variant per kind: evaluates the same expression for
+/// every variant, with the variant's content bound to a name, as in `each_kind!(Order, &job.order, order =>
+/// order.steps.len())`.
 macro_rules! each_kind {
     ($of:ident, $value:expr, $content:ident => $result:expr) => {
         $crate::device::for_each_kind!(each_kind, { $of, $value, $content, $result })
@@ -80,7 +82,7 @@ macro_rules! kinds {
             /// Every kind, in the order of the handbook.
             pub const ALL: &'static [Kind] = &[$(Kind::$kind),+];
 
-            /// What the kind adds to the language.
+            /// The words that the kind adds to the language.
             pub fn vocabulary(self) -> &'static Vocabulary {
                 match self { $(Kind::$kind => &$module::VOCABULARY,)+ }
             }
@@ -93,23 +95,23 @@ pub(crate) use {each_kind, for_each_kind};
 for_each_kind!(kinds, {});
 
 impl Kind {
-    /// The kind's word in the language.
+    /// The kind's name in the language.
     pub fn name(self) -> &'static str {
         self.vocabulary().name
     }
 
-    /// The kind of a word.
+    /// The kind with this name, if there is one.
     pub fn find(name: &str) -> Option<Kind> {
         Kind::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 }
 
-/// The words of a kind.
+/// The vocabulary of a kind.
 #[derive(Debug)]
 pub struct Vocabulary {
     pub name: &'static str,
     pub summary: &'static str,
-    /// A published device to start from, as `std.dimibot` and `dimibot.femto_st`.
+    /// A published device to start from, as (module, device): `std.dimibot` and `dimibot.femto_st`.
     pub library: (&'static str, &'static str),
     /// The fields of a device.
     pub fields: &'static [VocabularyField],
@@ -117,17 +119,17 @@ pub struct Vocabulary {
     pub nouns: &'static [Noun],
     /// The `field: value` settings of a task, except `minimize`, `using`, `start at` and `require`.
     pub settings: &'static [VocabularyField],
-    /// Sort of `start at` and of the field `home`; `None` if the scene determines the start of a task.
+    /// Sort of `start at` and of the field `home`; `None` if the scene determines where a task starts.
     pub state: Option<Sort>,
     /// Whether `together { … }` gives simultaneous goals.
     pub together: Together,
-    /// Whether `assay { … }` gives operations that depend on each other only by their parts.
+    /// Whether `assay { … }` gives operations that depend on each other only through the parts they share.
     pub assay: Assay,
-    /// Whether a program may say where a device stands in a scene.
+    /// Whether a program may place a device in a scene by a frame.
     pub frames: Frames,
     /// Steps of a task.
     pub verbs: &'static [Verb],
-    /// Conditions on a whole task, which stand before its steps, also in `for`.
+    /// Conditions on a whole task; they precede its steps, also in `for`.
     pub conditions: &'static [Verb],
     /// Objectives of `minimize`; the first is the default.
     pub objectives: &'static [WordChoice],
@@ -140,40 +142,41 @@ pub struct Vocabulary {
 }
 
 impl Vocabulary {
-    /// The verb of a word.
+    /// The verb with this name.
     pub fn verb(&self, name: &str) -> Option<&'static Verb> {
         self.verbs.iter().find(|verb| verb.name == name)
     }
 
-    /// The verb of a word with a noun after it: the one of that noun if there is one, else the one of the word.
+    /// The verb with this name that takes `noun`, if there is one; otherwise the verb of that name.
     pub fn verb_of(&self, name: &str, noun: Option<&str>) -> Option<&'static Verb> {
         let with_noun = self.verbs.iter().find(|verb| verb.name == name && verb.noun.is_some() && verb.noun == noun);
         with_noun.or_else(|| self.verb(name))
     }
 
-    /// What begins an entry of a task: its verbs, and its conditions.
+    /// Verbs and conditions: the words that can begin an entry of a task.
     pub fn verbs_and_conditions(&self) -> impl Iterator<Item = &'static Verb> + use<> {
         self.verbs.iter().chain(self.conditions)
     }
 
-    /// The condition of a word.
+    /// The condition with this name.
     pub fn condition(&self, name: &str) -> Option<&'static Verb> {
         self.conditions.iter().find(|condition| condition.name == name)
     }
 
-    /// The scene noun of a word.
+    /// The scene noun with this name.
     pub fn noun(&self, name: &str) -> Option<&'static Noun> {
         self.nouns.iter().find(|noun| noun.name == name)
     }
 }
 
-/// Whether the figures of an outcome are whole numbers: counts, or times in nanoseconds. A name has one unit in all kinds.
+/// Whether the values of an outcome are whole numbers: counts, or times in nanoseconds. An outcome name has the same
+/// unit in all kinds.
 pub fn is_counted(outcome: &str) -> bool {
     let mut outcomes = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().outcomes);
     outcomes.any(|known| known.name == outcome && known.unit.is_counted())
 }
 
-/// The condition of a word, whatever the kind.
+/// The condition with this name, of any kind.
 pub fn condition_of_any_kind(word: &str) -> Option<&'static Verb> {
     Kind::ALL.iter().find_map(|kind| kind.vocabulary().condition(word))
 }
@@ -182,18 +185,18 @@ pub fn condition_of_any_kind(word: &str) -> Option<&'static Verb> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Together {
     Yes,
-    /// With the reason, as a message says it.
+    /// With the reason, as messages give it.
     No(&'static str),
 }
 
-/// Whether a device carries many parts of which each does its operations in its own time.
+/// Whether a device carries many parts, each of which performs its operations in its own time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Assay {
     Yes,
     No,
 }
 
-/// Whether a device can have a frame in a scene, beside others.
+/// Whether devices of the kind can be placed in a scene by a frame, beside others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frames {
     Yes,
@@ -231,37 +234,37 @@ const fn not_negative(dimension: Dimension) -> Sort {
     Sort::Quantity { dimension, range: Range::NotNegative }
 }
 
-/// A field that may not be left out.
+/// A mandatory field.
 pub const fn required(name: &'static str, sort: Sort, doc: &'static str) -> VocabularyField {
     VocabularyField { name, sort, need: Need::Required, doc }
 }
 
-/// A field that may be left out, for which `default` then applies.
+/// An optional field with a default.
 const fn defaulted(name: &'static str, sort: Sort, default: DefaultFigure, doc: &'static str) -> VocabularyField {
     VocabularyField { name, sort, need: Need::Default(default), doc }
 }
 
-/// A field that may be left out; `without` describes what applies then.
+/// An optional field; `without` describes what applies if it is missing.
 pub const fn optional(name: &'static str, sort: Sort, without: &'static str, doc: &'static str) -> VocabularyField {
     VocabularyField { name, sort, need: Need::Optional(without), doc }
 }
 
-/// The option of a planner that limits its search, which is `default` steps where it is left out.
+/// The planner option that limits the search, in node expansions.
 const fn expansions(default: u32, doc: &'static str) -> VocabularyField {
     budget("expansions", MAX_EXPANSIONS, default, doc)
 }
 
-/// An option of a planner that limits its search to at most `most`, and to `default` where it is left out.
+/// A planner option that limits its search to at most `most`; `default` applies if it is missing.
 const fn budget(name: &'static str, most: u32, default: u32, doc: &'static str) -> VocabularyField {
     defaulted(name, Sort::Count { least: 1, most }, DefaultFigure::count(default), doc)
 }
 
-/// A planner by its word, with its options.
+/// A planner with its options.
 const fn planner(word: WordChoice, options: &'static [VocabularyField]) -> Planner {
     Planner { name: word.name, options, doc: word.doc }
 }
 
-/// An outcome by its word, with the unit of its figure in schedules.
+/// An outcome, with the unit of its value in schedules.
 const fn outcome(word: WordChoice, unit: OutcomeUnit) -> Outcome {
     Outcome { name: word.name, unit, doc: word.doc }
 }
@@ -270,13 +273,13 @@ const fn outcome(word: WordChoice, unit: OutcomeUnit) -> Outcome {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Need {
     Required,
-    /// May be left out; this figure then applies.
+    /// Optional, with this default.
     Default(DefaultFigure),
-    /// May be left out; the text describes what applies then.
+    /// Optional; the text describes what applies if it is missing.
     Optional(&'static str),
 }
 
-/// The figure of a field that is left out, for the vocabulary's text and for the checker.
+/// The default of a field, for the vocabulary's text and for the checker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DefaultFigure {
     value: f64,
@@ -285,7 +288,7 @@ pub struct DefaultFigure {
 }
 
 impl DefaultFigure {
-    /// So many of a unit of the closed list.
+    /// A value in a unit of the closed list.
     const fn new(value: f64, unit: &'static str) -> Self {
         DefaultFigure { value, unit }
     }
@@ -294,7 +297,7 @@ impl DefaultFigure {
         DefaultFigure { value: value as f64, unit: "" }
     }
 
-    /// As if it were written in the program.
+    /// The quantity, parsed as if it were written in the program.
     pub fn quantity(self) -> Quantity {
         let unit = if self.unit.is_empty() { Ok(Unit::ONE) } else { Unit::parse(self.unit) };
         let quantity = unit.ok().and_then(|unit| unit.of(&self.value.to_string()));
@@ -302,7 +305,7 @@ impl DefaultFigure {
     }
 }
 
-/// As the language writes it, with blanks between thousands: `0.5 deg`, `200 000`.
+/// As the language writes it, with spaces between thousands: `0.5 deg`, `200 000`.
 impl fmt::Display for DefaultFigure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let is_whole = self.value.fract() == 0.0;
@@ -311,7 +314,7 @@ impl fmt::Display for DefaultFigure {
     }
 }
 
-/// Sort of a field, an argument or an object.
+/// Sort of values of a field, an argument or an object.
 #[derive(Debug, Clone, Copy)]
 pub enum Sort {
     /// A whole number.
@@ -320,17 +323,18 @@ pub enum Sort {
     Quantity { dimension: Dimension, range: Range },
     /// One of these words.
     Word(&'static [WordChoice]),
-    /// A state of the device: for the DiMiBot a word of its modules, or the cell or place that stands for it.
+    /// A state of the device: for the DiMiBot a word of its modules, or the cell or place that denotes it.
     State,
-    /// Where to go: a cell or a place.
+    /// A destination: a cell or a place.
     Target,
-    /// Where to go, in any order: a list of cells and places.
+    /// Destinations in any order: a list of cells and places.
     Targets,
     /// A corner of a block of cells.
     Cell,
     /// A list of cells.
     Cells,
-    /// Lists of whole numbers from 0, one for each row of a board, the top row first, with the word `none` where nothing is.
+    /// Lists of whole numbers from 0, one for each row of a board, the top row first; the word `none` marks an empty
+    /// place.
     CountRows { most: u32 },
     /// Lists of lists of whole numbers from 0.
     CountTables { most: u32 },
@@ -348,11 +352,11 @@ pub enum Sort {
     Shape(shape::ShapeForm),
     /// A table with these columns, in any order, at least one row.
     Table(&'static [VocabularyField]),
-    /// Something of the task's scene, by this noun.
+    /// An object of the task's scene with this noun.
     Object(&'static str),
-    /// A cell, or something of the task's scene that lies there, by this noun.
+    /// A cell, or an object of the task's scene with this noun that covers cells.
     Site(&'static str),
-    /// A list of such.
+    /// A list of cells and objects with this noun.
     Sites(&'static str),
     /// A bare word that names something, as in the first column of a table.
     Name,
@@ -366,24 +370,24 @@ pub enum Sort {
     Contacts,
     /// An orientation in space: `euler(…)` or `quaternion(…)`.
     Orientation,
-    /// A length as an expression of the angle `t`, which goes once round from 0 deg to 360 deg.
+    /// A length as an expression of the angle `t`, from 0 deg to 360 deg.
     Curve,
-    /// A string, as the name of a file.
+    /// A string, such as the name of a file.
     Text,
     /// The name of a file that describes a board of electrodes.
     Board(BoardLimits),
 }
 
-/// What a board of a file may have.
+/// Limits on a board that is read from a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BoardLimits {
-    /// Greatest number of a channel.
+    /// Greatest channel number.
     pub most_channel: u32,
     /// Most columns, and rows.
     pub most_side: u32,
 }
 
-/// The word for a place of a board where nothing is.
+/// The word for an empty place of a board.
 pub const NONE: &str = "none";
 
 /// The values that a quantity may take, in SI units.
@@ -435,13 +439,13 @@ pub struct Noun {
 }
 
 impl Noun {
-    /// A word of a list of nouns, with the shapes that it may have.
+    /// A noun of an enum of nouns, with the shapes that it may have.
     pub const fn of(word: WordChoice, shapes: &'static [shape::ShapeForm]) -> Noun {
         Noun { name: word.name, doc: word.doc, shapes }
     }
 }
 
-/// A step of a task, or a condition on all of it.
+/// A step of a task, or a condition on the whole task.
 #[derive(Debug)]
 pub struct Verb {
     pub name: &'static str,
@@ -455,12 +459,13 @@ pub struct Verb {
     pub example: &'static str,
 }
 
-/// A verb of a word, without anything after it.
+/// A verb without object, prepositions or block.
 const fn verb(word: WordChoice) -> Verb {
     Verb { name: word.name, noun: None, object: None, phrases: &[], block: None, doc: word.doc, example: "" }
 }
 
-/// The entries of a verb's braces, as `D3 to pose(…)` in `assemble { … }`: an object with prepositions, without a verb.
+/// The entries of a verb's braces: an object with prepositions and without a verb, as `D3 to pose(…)` in `assemble {
+/// … }`.
 #[derive(Debug)]
 pub struct Block {
     pub object: Sort,
@@ -475,19 +480,19 @@ pub struct VocabularyPhrase {
     pub count: Count,
 }
 
-/// How often a preposition may be used in one step.
+/// How many times a preposition may occur in one step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Count {
     Once,
-    /// Once, or not at all beside this other one.
+    /// Once, or not at all if the step has this other preposition.
     OnceUnless(&'static str),
     AtMostOnce,
-    /// In the order of writing.
+    /// Repeatable; the order of writing counts.
     AnyNumber,
 }
 
 impl Count {
-    /// Whether a step without it lacks something.
+    /// Whether a step without the preposition is incomplete.
     pub const fn is_needed(self) -> bool {
         matches!(self, Count::Once | Count::OnceUnless(_))
     }
@@ -501,7 +506,7 @@ pub struct Planner {
     pub doc: &'static str,
 }
 
-/// A figure of a finished plan that `require` can limit and the report shows.
+/// A value of a finished plan that `require` can limit and the report shows.
 #[derive(Debug)]
 pub struct Outcome {
     pub name: &'static str,
@@ -510,7 +515,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Its name in a schedule, which ends in its unit: `distance_um`; without an end for a count.
+    /// Its key in a schedule, with its unit as the last word: `distance_um`; a count has no unit suffix.
     pub fn key(&self) -> String {
         match self.unit.suffix() {
             "" => self.name.to_owned(),
@@ -519,12 +524,12 @@ impl Outcome {
     }
 }
 
-/// A converted figure to twelve digits, so that 2240 deg are not written as 2239.9999999999995.
+/// Rounds a converted value to twelve digits, so that 2240 deg are not written as 2239.9999999999995.
 fn without_noise(figure: f64) -> f64 {
     format!("{figure:.11e}").parse().unwrap_or(figure)
 }
 
-/// Units of outcomes in schedules: those of every other number there.
+/// Units of outcomes in schedules; the same as those of all other numbers there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutcomeUnit {
     Count,
@@ -545,7 +550,7 @@ impl OutcomeUnit {
         }
     }
 
-    /// The last word of the name of a figure in it; empty for a count.
+    /// Unit suffix of a key; empty for a count.
     pub const fn suffix(self) -> &'static str {
         match self {
             OutcomeUnit::Count => "",
@@ -556,7 +561,7 @@ impl OutcomeUnit {
         }
     }
 
-    /// Whether figures in it are whole numbers.
+    /// Whether values in this unit are whole numbers.
     pub const fn is_counted(self) -> bool {
         match self {
             OutcomeUnit::Count | OutcomeUnit::Nanosecond => true,
@@ -564,7 +569,7 @@ impl OutcomeUnit {
         }
     }
 
-    /// A figure in this unit, from SI units; whole for nanoseconds.
+    /// Converts from SI units to this unit; whole for nanoseconds.
     pub fn of_si(self, si: f64) -> f64 {
         match self {
             OutcomeUnit::Count | OutcomeUnit::Joule => si,
@@ -574,7 +579,7 @@ impl OutcomeUnit {
         }
     }
 
-    /// A figure in SI units, from this unit.
+    /// Converts from this unit to SI units.
     pub fn to_si(self, figure: f64) -> f64 {
         match self {
             OutcomeUnit::Count | OutcomeUnit::Joule => figure,

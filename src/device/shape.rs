@@ -5,7 +5,7 @@ use super::{Need, Range, Sort, VocabularyField, optional, required};
 use crate::quantity::Dimension;
 use serde::{Deserialize, Serialize};
 
-/// A plane through the origin of an object in space, in which it has an outline.
+/// A plane through an object's origin, fixed to the object, in which it has an outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Plane {
@@ -16,12 +16,13 @@ pub enum Plane {
 }
 
 impl Plane {
-    /// Both planes, in the order of the paper.
+    /// Both planes, in the paper's order.
     pub const ALL: [Plane; 2] = [Plane::Xy, Plane::Xz];
 
-    /// The plane's own coordinate axes in the object's frame: a positive turn carries the first one towards the second.
+    /// The plane's own coordinate axes in the object's frame: a positive turn carries the first one towards the
+    /// second.
     ///
-    /// Both planes share the first one, along x: contact 1, the paper's I, lies where it leaves the object.
+    /// Both planes share the first axis, along x: contact 1, the paper's I, is where this axis leaves the object.
     pub const fn axes(self) -> [[f64; 3]; 2] {
         match self {
             Plane::Xy => [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
@@ -37,7 +38,7 @@ impl Plane {
         }
     }
 
-    /// As it is written to files.
+    /// Its name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Plane::Xy => "xy",
@@ -66,11 +67,11 @@ words! {
 }
 
 impl ShapeForm {
-    /// The forms that take up room wherever they are put.
+    /// The forms that are solid in the plane.
     pub const SOLID: &'static [ShapeForm] =
         &[ShapeForm::Disc, ShapeForm::Box, ShapeForm::Polygon, ShapeForm::Capsule, ShapeForm::Cells];
 
-    /// Whether it is a shape of something that fingers turn.
+    /// Whether the form is spatial: the shape of a part that fingers turn.
     pub fn is_of_space(self) -> bool {
         match self {
             ShapeForm::Ellipsoid
@@ -89,7 +90,7 @@ impl ShapeForm {
         }
     }
 
-    /// Its word with an article: `a disc`, `an ellipsoid`.
+    /// Its name with an article: `a disc`, `an ellipsoid`.
     pub fn with_article(self) -> String {
         match self {
             ShapeForm::Ellipsoid | ShapeForm::Image => format!("an {}", self.name()),

@@ -1,4 +1,5 @@
-//! Words of the language that are enums of the compiler: one list gives the variants, their spelling and their line of help.
+//! Enums whose variants are words of the language: one list gives the variants, their spelling and their line of
+//! help.
 
 /// Declares an enum of words: `Variant = "word": "its meaning"`, the default first.
 ///
@@ -31,7 +32,7 @@ macro_rules! words {
                 self.choice().name
             }
 
-            /// The word with its meaning, as `tweeze devices` prints it.
+            /// The word with its meaning, as printed by `tweeze devices`.
             pub const fn choice(self) -> crate::device::WordChoice {
                 match self {
                     $($name::$variant => crate::device::WordChoice { name: $word, doc: $doc },)+

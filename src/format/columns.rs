@@ -1,19 +1,19 @@
-//! Columns: how far parts of lines are padded, lines are indented and comments stand apart.
+//! Columns: padding of the parts of lines, indentation, and columns of comments.
 
 use super::layout::{Alignment, CanonicalLine, Indent};
 use super::piece::{PieceKind, TextPiece};
 use unicode_width::UnicodeWidthStr;
 
-/// Where comments behind code begin, counted from 0, if the code leaves room.
+/// Column of comments after code, counted from 0, if the code leaves room.
 const COMMENT_COLUMN: usize = 38;
 
-/// Least number of blanks before a comment in that column.
+/// Least number of spaces before a comment in that column.
 const LEAST_GAP: usize = 2;
 
-/// Blanks between the longest code and the comments, if they do not fit there.
+/// Spaces between the longest code and the comments if they do not fit into that column.
 const WIDE_GAP: usize = 4;
 
-/// The text of lines.
+/// Prints lines as text.
 pub(super) fn print(lines: &[CanonicalLine]) -> String {
     let widths = part_widths(lines);
     let mut indents: Vec<usize> = Vec::with_capacity(lines.len());
@@ -74,7 +74,7 @@ fn print_parts(text: &mut String, line: &CanonicalLine, widths: &[usize]) {
     }
 }
 
-/// The column of a place in a line, counted from its indent.
+/// The column of a byte of a line, counted from its indent.
 fn column(line: &CanonicalLine, widths: &[usize], part: usize, byte: usize) -> usize {
     let before = line.parts.iter().take(part).enumerate();
     let before: usize = before
@@ -110,7 +110,7 @@ fn part_widths(lines: &[CanonicalLine]) -> Vec<Vec<usize>> {
             }
         }
     }
-    // Entries with a doc comment of their own are no list to be read down.
+    // Entries with a doc comment of their own are not a list to be read down, so they are not aligned.
     let is_doc = |line: &CanonicalLine| is_doc_alone(line);
     runs.retain(|run| run[0] == 0 || lines[run[0]].after_gap || !is_doc(&lines[run[0] - 1]));
     for group in tables.iter().chain(&runs) {
@@ -129,7 +129,7 @@ fn is_doc_alone(line: &CanonicalLine) -> bool {
     line.parts.is_empty() && line.comment.is_some_and(is_doc)
 }
 
-/// The column of the comment behind each line: the same for lines that follow each other.
+/// The column of the comment after each line: the same for consecutive lines.
 fn comment_columns(lines: &[CanonicalLine], code_width: impl Fn(usize) -> usize) -> Vec<usize> {
     let mut columns = vec![0; lines.len()];
     let mut start = 0;

@@ -1,4 +1,4 @@
-//! Lists of lists: rows of equal length that stand below one another are read down, so their values end in the same columns.
+//! Lists of lists: consecutive rows of equal length are aligned, so that their values end in the same columns.
 
 use super::layout::{Alignment, CanonicalLine};
 use unicode_width::UnicodeWidthStr;
@@ -23,7 +23,7 @@ pub(super) fn align(lines: &mut [CanonicalLine]) {
     }
 }
 
-/// The values of a line that is a list of at least two plain ones, and nothing else.
+/// The values of a line that consists of a list of at least two plain values; `None` for other lines.
 fn values<'l>(line: &'l CanonicalLine) -> Option<Vec<&'l str>> {
     let [part] = line.parts.as_slice() else { return None };
     let inner = part.strip_suffix(',').unwrap_or(part).strip_prefix('[')?.strip_suffix(']')?;

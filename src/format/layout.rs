@@ -1,22 +1,22 @@
-//! Lines of pieces: which pieces share a line, the blanks between them, and what each line is indented by.
+//! Arranges pieces in lines: which pieces share a line, the spaces between them, and the indent of each line.
 
 use super::piece::{PieceKind, TextPiece};
 
-/// Blanks of one level.
+/// Spaces per indentation level.
 const LEVEL: usize = 2;
 
-/// What a line is indented by.
+/// Indent of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Indent {
-    /// By nothing.
+    /// No indent.
     Margin,
-    /// As another line, and further by some blanks.
+    /// The indent of another line plus some spaces.
     Beyond { line: usize, blanks: usize },
-    /// To a place in another line: an offset of bytes in one of its parts.
+    /// The column of a place in another line: a byte offset in one of its parts.
     Below { line: usize, part: usize, byte: usize },
 }
 
-/// Lines of one block that are aligned with one another.
+/// The alignment group of a line within its block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Alignment<'p> {
     Alone,
@@ -36,14 +36,14 @@ pub(super) enum Alignment<'p> {
 #[derive(Debug)]
 pub(super) struct CanonicalLine<'p> {
     pub indent: Indent,
-    /// Its code, in parts that may be padded; empty for a line that has a comment alone.
+    /// Its code, in parts that may be padded; empty for a line with only a comment.
     pub parts: Vec<String>,
-    /// What stands between two parts.
+    /// The separator between two parts.
     pub separator: &'static str,
     pub comment: Option<&'p TextPiece<'p>>,
     /// Whether an empty line comes before it.
     pub after_gap: bool,
-    /// Whether it belongs to the entry of the line before it.
+    /// Whether it continues the entry of the previous line.
     pub goes_on: bool,
     pub alignment: Alignment<'p>,
     /// Whole lines that stay as they are.
@@ -52,11 +52,11 @@ pub(super) struct CanonicalLine<'p> {
     opens: bool,
     /// Whether it begins with the first piece of an entry.
     starts_entry: bool,
-    /// The brackets that were open at its beginning.
+    /// The number of brackets that are open at its beginning.
     depth: usize,
 }
 
-/// What the lines in a pair of braces are.
+/// Content of a pair of braces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Block {
     File,
@@ -66,38 +66,38 @@ enum Block {
     Other,
 }
 
-/// An open bracket, and the entry of its block that is being read. The first one stands for the file.
+/// An open bracket, and the entry of its block that is being read. The first one represents the file.
 struct OpenBracket<'p> {
     is_brace: bool,
-    /// Whether its content stands on lines of its own.
+    /// Whether its content is on lines of its own.
     is_broken: bool,
     block: Block,
-    /// Where it stands: the line, the part, and the byte after it.
+    /// Its position: the line, the part, and the byte after it.
     line: usize,
     part: usize,
     byte: usize,
     entry_line: usize,
     entry_word: &'p str,
-    /// Pieces of the entry so far.
+    /// Number of pieces of the entry so far.
     entry_pieces: usize,
 }
 
-/// Puts pieces into lines.
+/// Arranges pieces in lines.
 struct LineBuilder<'p> {
     pieces: &'p [TextPiece<'p>],
-    /// For each bracket, whether its content stands on lines of its own.
+    /// For each bracket, whether its content is on lines of its own.
     broken: Vec<bool>,
     lines: Vec<CanonicalLine<'p>>,
     open: Vec<OpenBracket<'p>>,
     tables: usize,
     /// The last piece of code.
     last: Option<&'p TextPiece<'p>>,
-    /// Whether pieces are added to the last line.
+    /// Whether the last line is still open for pieces.
     in_line: bool,
-    /// Whether the last piece of code is a bracket whose content stands on lines of its own.
+    /// Whether the last piece of code is a bracket whose content is on lines of its own.
     opens: bool,
     after_gap: bool,
-    /// Whether the last `^` has blanks around it.
+    /// Whether the last `^` has spaces around it.
     is_power_apart: bool,
 }
 
@@ -133,8 +133,8 @@ pub(super) fn lines<'p>(pieces: &'p [TextPiece<'p>]) -> Vec<CanonicalLine<'p>> {
     builder.lines
 }
 
-/// For each bracket, whether its content stands on lines of its own: braces with a line end between entries or with such braces inside,
-/// others with a line end after the opening one.
+/// For each bracket, whether its content is on lines of its own: braces with a line end between entries, or with such
+/// braces inside; other brackets with a line end after the opening one.
 fn broken_brackets(pieces: &[TextPiece]) -> Vec<bool> {
     let mut broken = vec![false; pieces.len()];
     let mut open: Vec<usize> = Vec::new();
@@ -318,7 +318,7 @@ impl<'p> LineBuilder<'p> {
         self.last = Some(piece);
     }
 
-    /// Counts a piece to the entry that is being read, and begins a second part after the name of a field.
+    /// Counts a piece of the entry that is being read, and begins a second part after the name of a field.
     fn count(&mut self, piece: &'p TextPiece<'p>) {
         let number = self.lines.len() - 1;
         let innermost = self.innermost();
@@ -341,7 +341,8 @@ impl<'p> LineBuilder<'p> {
         }
     }
 
-    /// Begins another part of the line before a piece that may be aligned; whether it is a bar, which stands between the parts.
+    /// Begins another part of the line before a piece that may be aligned; returns whether the piece is a bar, which
+    /// separates the parts.
     fn split_before(&mut self, piece: &TextPiece) -> bool {
         let depth = self.open.len();
         let innermost = self.innermost();
@@ -404,13 +405,13 @@ impl<'p> LineBuilder<'p> {
         });
     }
 
-    /// Whether a blank stands between the last piece of the line and this one.
+    /// Whether there is a space between the last piece of the line and this one.
     fn is_apart(&mut self, piece: &TextPiece) -> bool {
         let Some(last) = self.last else { return false };
         let innermost = self.innermost();
         let names_field = !innermost.is_brace || innermost.entry_pieces == 1;
         if piece.kind == PieceKind::Power {
-            // Without the blank, `^` would be part of the unit.
+            // Without the space, `^` would be part of the unit.
             self.is_power_apart = last.kind == PieceKind::Unit;
             return self.is_power_apart;
         }

@@ -1,26 +1,26 @@
-//! What the tree knows of characters that mean several things.
+//! Information from the tree about characters with several meanings.
 
 use crate::syntax::tree::{
     Entry, Expr, ExprKind, Field, For, IndexedName, Item, Path, SceneEntry, Step, Table, Text, TextPart, Tree, UsePath,
     WireOutput, WiringEntry,
 };
 
-/// Places in the text, in order.
+/// Positions in the text, sorted.
 #[derive(Debug, Default)]
 pub(super) struct Marks {
-    /// The units, as bytes.
+    /// The units, as byte ranges.
     pub units: Vec<(u32, u32)>,
-    /// The operators between two values.
+    /// The binary operators.
     pub operators: Vec<u32>,
-    /// Where a bracket that follows belongs to the name before it.
+    /// Brackets that belong to the name before them.
     pub joints: Vec<u32>,
-    /// The declarations that contain something unreadable, by index.
+    /// Indices of the declarations that contain an error node.
     pub broken_items: Vec<usize>,
     is_broken: bool,
 }
 
 impl Marks {
-    /// Walks over a tree.
+    /// Collects the marks of a tree.
     pub fn of(tree: &Tree) -> Marks {
         let mut marks = Marks::default();
         for (index, item) in tree.items.iter().enumerate() {
@@ -141,7 +141,7 @@ impl Marks {
         }
     }
 
-    /// A string stays as it is; what is in its braces may be broken.
+    /// A string stays as it is; the expressions in its braces may be broken.
     fn text(&mut self, text: &Text) {
         for part in &text.parts {
             match part {

@@ -1,16 +1,17 @@
 //! The canonical form of a program.
 //!
-//! Problem: programs that say the same should look the same, so that changes to them can be read. Input: the text of one file.
-//! Output: its canonical text.
+//! Problem: programs with the same meaning should look the same, so that their changes are readable. Input: the text
+//! of one file. Output: its canonical text.
 //!
-//! Method: line breaks, groups of lines and comments are the user's; everything between is Tweeze's. The text is cut into
-//! pieces (`piece`), of which the tree says what their characters do not: which words are a unit, which `-` is a sign, which bracket
-//! belongs to a name (`marks`). The pieces are put into lines (`layout`) with the blanks that their neighbours ask for, and the lines
-//! are indented and aligned (`columns`). No line is broken or joined because of its length.
+//! Method: line breaks, groups of lines and comments are the user's; everything in between is Tweeze's. The text is
+//! cut into pieces (`piece`); the tree decides what their characters leave open: which words are a unit, which `-` is
+//! a sign, which bracket belongs to a name (`marks`). The pieces are arranged in lines (`layout`), with the spacing
+//! that their neighbours require, and the lines are indented and aligned (`columns`). No line is broken or joined
+//! because of its length.
 //!
-//! Promises, for every text without syntax errors: the canonical text has the same tree, apart from the spelling of units, and the same
-//! comments in the same order; its own canonical text is itself. A declaration with an error is left as it is, byte for byte; so is the
-//! whole file if there is an error outside of its declarations.
+//! Promises, for every text without syntax errors: the canonical text has the same tree, apart from the spelling of
+//! units, and the same comments in the same order; formatting it again does not change it. A declaration with an
+//! error stays as it is, byte for byte; so does the whole file if there is an error outside of its declarations.
 
 mod columns;
 mod grid;
@@ -25,7 +26,7 @@ use crate::syntax::tree::Tree;
 use marks::Marks;
 use std::ops::Range;
 
-/// The canonical text of a file. Syntax errors are reported to `sink`; what they are in stays as it is.
+/// The canonical text of a file. Syntax errors are reported to `sink`; declarations with errors stay as they are.
 pub fn format(file: FileId, text: &str, sink: &mut Sink) -> String {
     let mut own = Sink::default();
     let tree = syntax::parse(file, text, &mut own);
@@ -38,8 +39,8 @@ pub fn format(file: FileId, text: &str, sink: &mut Sink) -> String {
     formatted.unwrap_or_else(|| text.to_owned())
 }
 
-/// The canonical text, except for ranges of whole lines that stay as they are; `None` if it cannot be read, which only the lines of an
-/// error can cause.
+/// The canonical text, except for ranges of whole lines that stay as they are; `None` if it cannot be cut into
+/// pieces, which only happens in the lines of an error.
 fn formatted(text: &str, marks: &Marks, kept: &[Range<usize>]) -> Option<String> {
     let pieces = piece::without_idle_commas(piece::pieces(text, marks, kept)?);
     let mut lines = layout::lines(&pieces);
@@ -47,7 +48,8 @@ fn formatted(text: &str, marks: &Marks, kept: &[Range<usize>]) -> Option<String>
     Some(columns::print(&lines))
 }
 
-/// The canonical text of the declarations without errors between those with errors, if that changes nothing of what is reported.
+/// The canonical text with the declarations that have errors left as they are, provided that this does not change the
+/// reported errors.
 fn around_errors(text: &str, tree: &Tree, errors: &[&Diagnostic]) -> Option<String> {
     let marks = Marks::of(tree);
     let spans: Vec<Span> = tree.items.iter().map(|item| item.span()).collect();
@@ -71,12 +73,13 @@ fn around_errors(text: &str, tree: &Tree, errors: &[&Diagnostic]) -> Option<Stri
     (same_errors && same_items).then_some(result)
 }
 
-/// The lines of broken declarations, as ranges of bytes in order, with the declarations that share lines with them.
+/// The lines of broken declarations, as sorted byte ranges, together with the declarations that share lines with
+/// them.
 fn broken_lines(text: &str, items: &[Span], broken: &[bool]) -> Vec<Range<usize>> {
     let mut clusters: Vec<(Range<usize>, bool)> = Vec::new();
     for (item, &is_broken) in items.iter().zip(broken) {
         let start = text[..item.start as usize].rfind('\n').map_or(0, |end| end + 1);
-        // A declaration that is never closed ends with the file.
+        // An unclosed declaration ends with the file.
         let last = text[..item.end as usize].trim_end().len().max(start);
         let end = text[last..].find('\n').map_or(text.len(), |length| last + length);
         match clusters.last_mut() {

@@ -1,4 +1,4 @@
-//! The pieces of a text: words, signs, comments and line ends, without the blanks between them.
+//! The pieces of a text: words, signs, comments and line ends, without the spaces between them.
 
 use super::marks::Marks;
 use crate::quantity;
@@ -6,17 +6,17 @@ use crate::syntax::is_word;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// What a piece is to its neighbours.
+/// Kind of a piece, as far as spacing depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PieceKind {
-    /// A name, a reserved word.
+    /// A name or a reserved word.
     Word,
-    /// A number, a string, `0b01`.
+    /// A number, a string, or a word such as `0b01`.
     Literal,
     Unit,
     /// `(`, `[` or `{`.
     Open,
-    /// `(` or `[` of the name before it.
+    /// `(` or `[` that belongs to the name before it.
     Joint,
     Close,
     Comma,
@@ -28,18 +28,18 @@ pub(super) enum PieceKind {
     Range,
     /// `|`.
     Bar,
-    /// An operator between two values, except for `^`.
+    /// A binary operator other than `^`.
     Operator,
     /// `^`.
     Power,
-    /// A sign before a value.
+    /// A unary minus.
     Minus,
     Comment,
     /// `///`.
     Doc,
-    /// The end of a line.
+    /// A line end.
     Break,
-    /// The end of a line before one or more empty ones.
+    /// A line end followed by one or more empty lines.
     Gap,
     /// Whole lines that stay as they are.
     Kept,
@@ -54,12 +54,12 @@ impl PieceKind {
         matches!(self, PieceKind::Break | PieceKind::Gap)
     }
 
-    /// Whether it is part of the program, for which comments and line ends are not.
+    /// Whether it is part of the program; comments and line ends are not.
     pub fn is_code(self) -> bool {
         !self.is_comment() && !self.is_break()
     }
 
-    /// Whether a value must follow, on the next line if need be.
+    /// Whether a value must follow, if necessary on the next line.
     pub fn goes_on(self) -> bool {
         matches!(
             self,
@@ -87,7 +87,7 @@ impl TextPiece<'_> {
     }
 }
 
-/// Walks over a text.
+/// Cuts a text into pieces.
 struct Cutter<'t, 'm> {
     text: &'t str,
     at: usize,
@@ -97,7 +97,7 @@ struct Cutter<'t, 'm> {
     pieces: Vec<TextPiece<'t>>,
 }
 
-/// Cuts a text into pieces; `kept` are ranges of whole lines. `None` if something in between is no Tweeze.
+/// Cuts a text into pieces; `kept` are ranges of whole lines. `None` if something in between is not Tweeze syntax.
 pub(super) fn pieces<'t>(text: &'t str, marks: &Marks, kept: &[Range<usize>]) -> Option<Vec<TextPiece<'t>>> {
     let (units, operators, joints) = (&marks.units[..], &marks.operators[..], &marks.joints[..]);
     let start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
@@ -115,7 +115,7 @@ pub(super) fn pieces<'t>(text: &'t str, marks: &Marks, kept: &[Range<usize>]) ->
     Some(cutter.pieces)
 }
 
-/// Takes those off the front of a list that lie before an offset; whether the next one is at it.
+/// Drops the leading offsets that are before `at`; returns whether the next one is at `at`.
 fn reaches(list: &mut &[u32], at: usize) -> bool {
     while let Some((first, rest)) = list.split_first()
         && (*first as usize) < at
@@ -159,7 +159,7 @@ impl<'t> Cutter<'t, '_> {
         Some(())
     }
 
-    /// Where the unit ends that begins here.
+    /// The end of the unit that begins here, if one does.
     fn unit(&mut self) -> Option<usize> {
         while let Some(((start, _), rest)) = self.units.split_first()
             && (*start as usize) < self.at
@@ -189,7 +189,7 @@ impl<'t> Cutter<'t, '_> {
         }
     }
 
-    /// The sign that stands here and its length.
+    /// The sign at the current position, and its length.
     fn sign(&mut self) -> Option<(PieceKind, usize)> {
         let (at, rest) = (self.at, &self.text[self.at..]);
         let pairs = [
@@ -221,7 +221,7 @@ impl<'t> Cutter<'t, '_> {
     }
 }
 
-/// The length of the number or the word `0b01` at the front of a text.
+/// The length of the number or of the word such as `0b01` at the beginning of a text.
 fn number(text: &str) -> usize {
     if text.starts_with("0b") {
         return text.find(|c: char| !is_word(c)).unwrap_or(text.len());
@@ -244,11 +244,11 @@ fn number(text: &str) -> usize {
     end
 }
 
-/// The pieces without commas that separate nothing, each comma on the line of what is before it, and doc comments before what they
-/// document, on lines of their own.
+/// Removes commas that separate nothing, moves each other comma to the line of what precedes it, and moves doc
+/// comments before what they document, on lines of their own.
 pub(super) fn without_idle_commas(pieces: Vec<TextPiece>) -> Vec<TextPiece> {
     let mut kept: Vec<TextPiece> = Vec::with_capacity(pieces.len());
-    // Whether each open bracket is a brace.
+    // For each open bracket, whether it is a brace.
     let mut open: Vec<bool> = Vec::new();
     for piece in pieces {
         let is_list = open.last() == Some(&false);
@@ -274,7 +274,7 @@ pub(super) fn without_idle_commas(pieces: Vec<TextPiece>) -> Vec<TextPiece> {
             }
             _ => {}
         }
-        // Around a comma that stood alone on its line.
+        // The line ends around a comma that was alone on its line.
         if piece.kind.is_break() && kept.last().is_some_and(|last| last.kind.is_break()) {
             kept.pop_if(|last| last.kind == PieceKind::Break);
             if kept.last().is_some_and(|last| last.kind == PieceKind::Gap) {
@@ -292,7 +292,7 @@ fn separates(kept: &[TextPiece]) -> bool {
     kept.last().is_some_and(|piece| piece.kind.is_code() && piece.kind != PieceKind::Comma && !piece.is_brace())
 }
 
-/// Drops the line ends at the end if only an opening bracket is before them.
+/// Drops trailing line ends if only an opening bracket is before them.
 fn empty(kept: &mut Vec<TextPiece>) {
     let last = kept.iter().rposition(|piece| !piece.kind.is_break());
     if let Some(last) = last.filter(|last| matches!(kept[*last].kind, PieceKind::Open | PieceKind::Joint)) {
@@ -300,7 +300,7 @@ fn empty(kept: &mut Vec<TextPiece>) {
     }
 }
 
-/// Drops a comma that nothing follows; in a list, there may be comments and line ends behind it.
+/// Drops a trailing comma; in a list, comments and line ends may follow it.
 fn drop_last_comma(kept: &mut Vec<TextPiece>, is_list: bool) {
     let last = kept.iter().rposition(|piece| !is_list || piece.kind.is_code());
     if let Some(last) = last.filter(|last| kept[*last].kind == PieceKind::Comma) {

@@ -1,53 +1,55 @@
-//! Faults put into shared measures on purpose: the tests see whether the verifier, which has measures of its own, notices them.
+//! Fault injection into shared measurements: tests check that the verifier, which has its own measurements, notices
+//! the faults.
 //!
-//! Input: a number that a measure gives. Output: the same number. Promise: only tests can change one, and only in their own thread.
+//! Input: the result of a measurement. Output: the same number. Promise: only tests can change one, and only in their
+//! own thread.
 
-/// A measure that can be put wrong.
+/// A measurement that a test can falsify.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fault {
     /// `geometry::distance`: between the area swept by a body and the core of an obstacle.
     Distance,
     /// `geometry::shape`: the radius of a grown shape.
     Grown,
-    /// `geometry::shape`: the x coordinate of a shape's place.
+    /// `geometry::shape`: the x coordinate of a shape's position.
     Place,
     /// `device::dimibot`: growth of obstacles.
     Growth,
-    /// `device::dimibot`: from a cell to the next one.
+    /// `device::dimibot`: distance between neighbouring cells.
     Pitch,
     /// `geometry::outline`: the distance of a point from an outline.
     Outline,
-    /// `geometry::outline`: the x coordinate of a place on an outline.
+    /// `geometry::outline`: the x coordinate of a point of an outline.
     Spot,
     /// `geometry::outline`: the direction of a normal.
     Normal,
     /// `geometry::outline`: the perimeter.
     Perimeter,
-    /// `geometry::outline`: turn of a part while a tip rolls along a path.
+    /// `geometry::outline`: rotation of a part while a tip rolls along a path.
     Rolled,
-    /// `geometry::outline`: path rolled by a tip while a part turns.
+    /// `geometry::outline`: path rolled by a tip while a part rotates.
     WayRolled,
     /// `device::fingers`: the force that pulls a tip off.
     Sticking,
-    /// `device::fingers`: distance from a contact within which tips are slow.
+    /// `device::fingers`: distance from a contact within which tips move slowly.
     Slow,
-    /// `device::fingers`: the nominal step of rotation.
+    /// `device::fingers`: the nominal rotation step.
     Step,
-    /// `device::microrobots`: distance that a stroke carries a robot.
+    /// `device::microrobots`: distance that one stroke moves a robot.
     Stroke,
     /// Verifier: distance between bodies.
     JudgedDistance,
-    /// Verifier: the x coordinate of an obstacle's place.
+    /// Verifier: the x coordinate of an obstacle's position.
     JudgedPlace,
     /// Verifier: the distance of a point from an outline.
     JudgedOutline,
     /// Verifier: the direction of a normal.
     JudgedNormal,
-    /// Verifier: turn of a part while a tip rolls along a path.
+    /// Verifier: rotation of a part while a tip rolls along a path.
     JudgedRoll,
 }
 
-/// The result of a measure, unchanged outside of tests.
+/// The result of a measurement, unchanged outside of tests.
 #[cfg(not(test))]
 #[inline(always)]
 pub(crate) const fn through(_: Fault, number: f64) -> f64 {
@@ -62,7 +64,7 @@ mod switch {
     use super::Fault;
     use std::cell::Cell;
 
-    /// A factor, and an offset added after it.
+    /// A factor, and an offset that is added after it.
     pub(crate) type Wrong = [f64; 2];
 
     thread_local! {
@@ -76,7 +78,7 @@ mod switch {
         }
     }
 
-    /// Runs something while a measure of this thread is wrong.
+    /// Calls `run` while a measurement is falsified in this thread.
     pub(crate) fn with<T>(fault: Fault, wrong: Wrong, run: impl FnOnce() -> T) -> T {
         struct Off;
         impl Drop for Off {

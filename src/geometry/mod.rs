@@ -1,4 +1,5 @@
-//! Device-free plane geometry in micrometres: shapes, where they are placed, and how lines and rectangles meet them.
+//! Device-free geometry in micrometres: shapes and their placement, outlines, meshes, distances, and intersections of
+//! lines and rectangles with shapes.
 
 pub mod distance;
 pub(crate) mod fault;

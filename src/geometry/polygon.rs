@@ -1,4 +1,4 @@
-//! Whether a list of corners is the outline of a simple polygon.
+//! Checks that a list of corners is the outline of a simple polygon.
 
 use nalgebra::{Point2, Vector2};
 
@@ -6,7 +6,7 @@ use nalgebra::{Point2, Vector2};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PolygonFault {
     TooFewCorners,
-    /// This corner and the next one are the same place.
+    /// This corner and the next one coincide.
     RepeatedCorner(usize),
     /// The sides that begin at these two corners touch or cross.
     Crossing(usize, usize),
@@ -14,7 +14,7 @@ pub enum PolygonFault {
     NoArea,
 }
 
-/// The first fault of an outline, if it has one. Looks at every pair of sides.
+/// The first fault of an outline, if it has one. Checks every pair of sides.
 pub fn fault(corners: &[[f64; 2]]) -> Option<PolygonFault> {
     if corners.len() < 3 {
         return Some(PolygonFault::TooFewCorners);

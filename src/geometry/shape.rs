@@ -1,15 +1,15 @@
 //! Solid shapes in the plane and their placement.
 //!
-//! Input: a shape in its own frame, a pose and a growth, all in micrometres and radians. Output: a [`Rounded`] body, that is a
-//! core (point, segment or filled polygon) and a radius. Promise: the body is exactly the Minkowski sum of the placed shape with a disc
-//! of radius `growth_um`.
+//! Input: a shape in its own frame, a pose and a growth, all in micrometres and radians. Output: a [`Rounded`] body,
+//! that is, a core (point, segment or filled polygon) and a radius. Promise: the body is exactly the Minkowski sum of
+//! the placed shape with a disc of radius `growth_um`.
 
 use super::fault::{Fault, through};
 use nalgebra::{Isometry2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
-/// Largest coordinate or extent accepted, in micrometres (one metre). Beyond it the rounding of `f64` comes near the planner's safety
-/// margin.
+/// Largest accepted coordinate or extent, in micrometres (one metre). Beyond it the rounding of `f64` approaches the
+/// planner's safety margin.
 pub const MAX_EXTENT_UM: f64 = 1e6;
 
 /// A solid shape in its own frame.
@@ -102,7 +102,7 @@ pub struct Rounded {
     pub radius_um: f64,
 }
 
-/// Why a shape cannot be placed.
+/// Reason why a shape cannot be placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShapeError {
     /// A number is not finite, or larger than [`MAX_EXTENT_UM`].

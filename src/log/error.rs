@@ -3,22 +3,22 @@
 use super::{SCHEMA, VoltageFault};
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Why a file is not a log that can be judged.
+/// Reason why a file is not a log that can be judged.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LogError {
     /// It does not begin like an MCAP file.
     NotALog,
-    /// It ends in the middle; `offset` is where something should follow.
+    /// It is truncated; `offset` is where more data should follow.
     Truncated { offset: u64 },
-    /// A checksum is wrong or missing, or records contradict each other; `offset` is where the record begins.
+    /// A checksum is wrong or missing, or records contradict each other; `offset` is the beginning of the record.
     Damaged { offset: u64, what: String },
-    /// A part is larger than is read.
+    /// A part exceeds the size limit of the reader.
     TooLarge { offset: u64, what: String, bytes: u64, limit: u64 },
-    /// A part that every log of Tweeze has is not there.
+    /// A part that every Tweeze log has is missing.
     Missing { what: String },
-    /// It is no log of a plan but the recording of a controlled run.
+    /// It is not the log of a plan but the recording of a controlled run.
     Recorded,
-    /// The log is of another schema, written by the version of Tweeze that is named.
+    /// The log has another schema, written by the named version of Tweeze.
     OtherSchema { schema: String, version: Option<String> },
     /// A part is intact but does not have the required content.
     Content { place: String, what: String },
@@ -33,7 +33,7 @@ impl LogError {
         LogError::Content { place: place.into(), what: what.into() }
     }
 
-    /// For the person at the terminal.
+    /// The error as a diagnostic.
     pub fn diagnostic(&self) -> Diagnostic {
         const AGAIN: &str = "build the program again, or fetch another copy of the log";
         match self {
@@ -65,9 +65,9 @@ impl LogError {
     }
 }
 
-/// Diagnostic for a log of another version, and of another schema if one is given, which is not judged.
+/// Diagnostic for a log of another version, and of another schema if one is given; such a log is not judged.
 ///
-/// Texts from the log are printed without control characters and cut to a line.
+/// Texts from the log are printed without control characters and truncated.
 pub fn other_version(version: Option<&str>, schema: Option<&str>) -> Diagnostic {
     let clean = |text: &str| text.chars().filter(|c| !c.is_control()).take(40).collect::<String>();
     let writer =
@@ -87,7 +87,7 @@ pub fn other_version(version: Option<&str>, schema: Option<&str>) -> Diagnostic 
 }
 
 impl VoltageFault {
-    /// For the person at the terminal.
+    /// The fault as a diagnostic.
     pub fn diagnostic(&self) -> Diagnostic {
         Diagnostic::new(
             Code::E0846,

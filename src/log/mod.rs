@@ -1,13 +1,14 @@
-//! Reads a written log back without trusting it.
+//! Reads a log back without trusting it.
 //!
-//! Input: the bytes of an MCAP file. Output: a [`Log`] with the data that the verifier needs, or a [`LogError`] with the fault and its
-//! place. Promise: every checksum is present and correct; no input makes it panic or hang; memory stays within a small multiple
-//! of the limits below and of the file's own size. The content of the log is not judged here, except by [`Log::voltage_fault`], which
-//! compares the recorded voltages and positions with the recorded schedule.
+//! Input: the bytes of an MCAP file. Output: a [`Log`] with the data that the verifier needs, or a [`LogError`] with
+//! the fault and its place. Promise: every checksum is present and correct; no input makes it panic or hang; memory
+//! stays within a small multiple of the limits below and of the file's own size. The content of the log is not judged
+//! here, except by [`Log::voltage_fault`], which compares the recorded voltages and positions with the recorded
+//! schedule.
 //!
-//! The records are parsed here (MCAP specification, version 0) and not by the `mcap` crate: version 0.26 panics on an attachment that is
-//! shorter than its header says (`parse_record` slices up to four bytes before the end), and ignores bytes after the last field of a
-//! record, in which an edited log could hide something from the reader.
+//! The records are parsed here (MCAP specification, version 0) and not by the `mcap` crate: version 0.26 panics on an
+//! attachment that is shorter than its header says (`parse_record` slices up to four bytes before the end), and
+//! ignores bytes after the last field of a record, in which an edited log could hide something from the reader.
 
 mod error;
 mod recording;
@@ -23,29 +24,29 @@ use crate::schedule::{ChannelUnit, Schedule, json};
 use crate::source::MAX_FILE_BYTES;
 use records::{Attachment, Contents};
 
-/// The largest sum of uncompressed messages that a log may hold, in bytes: those of an assay of some 3,000 operations.
+/// Most bytes of uncompressed messages in a log: those of an assay of some 3,000 operations.
 pub const MAX_DATA_BYTES: u64 = 2 * 1024 * 1024 * 1024;
 
-/// The largest message that a log may hold, in bytes.
+/// Largest message in a log, in bytes.
 pub const MAX_MESSAGE_BYTES: u64 = 64 * 1024 * 1024;
 
-/// Greatest number of messages in a log.
+/// Most messages in a log.
 pub const MAX_MESSAGES: u64 = 4_000_000;
 
-/// Greatest number of bytes of the message types and topics of a log together, each counted once; their parsed form takes some
-/// ten times as much memory.
+/// Most bytes of the message types and topics of a log together, each counted once; their parsed form takes some ten
+/// times as much memory.
 pub const MAX_DEFINITION_BYTES: u64 = 16 * 1024 * 1024;
 
-/// The largest map of names to texts in one record, in bytes.
+/// Largest map of names to texts in one record, in bytes.
 pub const MAX_MAP_BYTES: u64 = 8 * 1024 * 1024;
 
-/// Greatest number of topics of channels in a log.
+/// Most topics with channels in a log.
 pub const MAX_DEVICES: u64 = 1000;
 
-/// The largest schedule that a log may carry, in bytes of JSON.
+/// Largest schedule in a log, in bytes of JSON.
 pub const MAX_SCHEDULE_BYTES: u64 = 256 * 1024 * 1024;
 
-/// The largest claims that a log may carry, in bytes of JSON.
+/// Largest claims in a log, in bytes of JSON.
 pub const MAX_CLAIMS_BYTES: u64 = 64 * 1024 * 1024;
 
 /// Name of the attachment with the schedule.
@@ -57,29 +58,29 @@ pub const CLAIMS: &str = "claims.json";
 /// Prefix of the names of attached source files.
 pub const SOURCE_PREFIX: &str = "source/";
 
-/// Version of the log's content; increased when a log of the version before would be misjudged, because its records, its claims,
-/// or the consequences of a program have changed. Logs without it are of version 1.
+/// Version of the log's content; increased when a log of the previous version would be misjudged because its records,
+/// its claims or the consequences of a program have changed. Logs without it have version 1.
 pub const SCHEMA: u64 = 5;
 
-/// The word in `format` of the attached claims.
+/// The value of `format` in the attached claims.
 pub const CLAIMS_FORMAT: &str = "tweeze-claims";
 
 /// Name of the metadata record with the origin of the log.
 pub const METADATA: &str = "tweeze";
 
-/// Name of the metadata record of a recorded run of a controller.
+/// Name of the metadata record of a recorded controlled run.
 pub const RECORDING: &str = "tweeze-recording";
 
-/// Topics of such a recording: lines of measured poses, and lines of commands.
+/// Topics of such a recording: lines of measured poses and lines of commands.
 pub const MEASURED_TOPIC: &str = "/control/measured";
 pub const COMMAND_TOPIC: &str = "/control/command";
 
-/// The topic of a device with its channels of a unit.
+/// The topic of a device's channels of one unit.
 pub fn topic(device: &str, unit: ChannelUnit) -> String {
     format!("/{device}{}", suffix(unit))
 }
 
-/// Whether a topic has channels.
+/// Whether a topic is one of channels.
 pub fn is_topic(name: &str) -> bool {
     name.starts_with('/')
         && [ChannelUnit::Volt, ChannelUnit::Micrometre].iter().any(|unit| name.ends_with(suffix(*unit)))
@@ -96,14 +97,16 @@ fn suffix(unit: ChannelUnit) -> &'static str {
 /// Metadata key suffix, after a field's path in a topic of channels, of the entry that names its [`Bound`].
 pub const BOUND_SUFFIX: &str = ".bound";
 
-/// As [`BOUND_SUFFIX`], for the periods of the drive trains in nanoseconds, with blanks between them.
+/// Metadata key suffix, as [`BOUND_SUFFIX`], of the entry with the periods of the drive trains, in nanoseconds,
+/// separated by spaces.
 pub const PERIOD_SUFFIX: &str = ".period_ns";
 
 /// Content of a log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Log {
     pub schedule: Schedule,
-    /// The claims as they were recorded, in the form of [`write_claims`]; those that count are derived again from `files`.
+    /// The claims as recorded, in the form of [`write_claims`]; the authoritative ones are derived again from
+    /// `files`.
     pub claims: Vec<u8>,
     /// Name and text of every source file, the program's own first.
     pub files: Vec<(String, String)>,
@@ -115,7 +118,7 @@ pub struct Log {
     pub voltages: Vec<Series>,
 }
 
-/// Takes a log apart.
+/// Parses a log.
 ///
 /// # Errors
 /// See [`LogError`].
@@ -123,11 +126,11 @@ pub fn read(bytes: &[u8]) -> Result<Log, LogError> {
     read_with(bytes, &mut |_, _, _| ())
 }
 
-/// Takes a log apart, and calls `visit` with the topic, the instant in nanoseconds and the bytes of every message, in the order
-/// of the file.
+/// Parses a log, and calls `visit` with the topic, the instant in nanoseconds and the bytes of every message, in file
+/// order.
 ///
 /// # Errors
-/// See [`LogError`]; messages before the fault were visited.
+/// See [`LogError`]; `visit` was called for the messages before the fault.
 pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) + 'v)) -> Result<Log, LogError> {
     let contents = records::read(bytes, visit)?;
     if contents.metadata.contains_key(RECORDING) {
@@ -150,7 +153,7 @@ pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) +
     Ok(Log { schedule, claims: claims.to_vec(), files, settings, version, voltages: contents.voltages })
 }
 
-/// Refuses a log of another schema, before any of its content is misread.
+/// Refuses a log of another schema before any of its content is misread.
 fn of_this_schema(contents: &Contents, record: &str) -> Result<(), LogError> {
     let Some(metadata) = contents.metadata.get(record) else { return Ok(()) };
     let entry = |key: &str| metadata.get(key).cloned();
@@ -175,10 +178,10 @@ fn check_form(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// The claims as a log carries them.
+/// Serialises claims in the form that a log carries.
 ///
 /// # Errors
-/// That of the serializer, which claims give no cause for: their keys are strings.
+/// That of the serializer, which cannot occur here: all keys are strings.
 pub fn write_claims(claims: &Claims) -> Result<Vec<u8>, serde_json::Error> {
     #[derive(serde::Serialize)]
     struct LogDocument<'a> {
@@ -190,7 +193,7 @@ pub fn write_claims(claims: &Claims) -> Result<Vec<u8>, serde_json::Error> {
     serde_json::to_vec(&LogDocument { format: CLAIMS_FORMAT, version: SCHEMA, claims })
 }
 
-/// The data of the one attachment of a name.
+/// The data of the only attachment with this name.
 fn attached<'a>(contents: &Contents<'a>, name: &str, limit: u64) -> Result<&'a [u8], LogError> {
     let mut found = contents.attachments.iter().filter(|attachment| attachment.name == name);
     match (found.next(), found.next()) {
@@ -236,7 +239,7 @@ fn files(contents: &Contents) -> Result<Vec<(String, String)>, LogError> {
 }
 
 impl Log {
-    /// The first place at which the recorded voltages and positions are not those of the recorded schedule.
+    /// The first place at which the recorded voltages and positions differ from the recorded schedule.
     pub fn voltage_fault(&self) -> Option<VoltageFault> {
         series::fault(&self.schedule, &self.voltages)
     }

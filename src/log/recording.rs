@@ -1,7 +1,7 @@
 //! Reads the recording of a controlled run back without trusting it.
 //!
-//! Input: the bytes of an MCAP file that `tweeze control --record` wrote. Output: a [`Recording`], or a [`LogError`] with the fault and its
-//! place. Promise: that of [`log`](super). Its content is not judged here.
+//! Input: the bytes of an MCAP file written by `tweeze control --record`. Output: a [`Recording`], or a [`LogError`]
+//! with the fault and its place. Promise: that of [`log`](super). The content is not judged here.
 
 use super::records;
 use super::{
@@ -16,7 +16,7 @@ use serde::Deserialize;
 pub struct Recording {
     /// Name of the task.
     pub task: String,
-    /// The claims as they were recorded; those that count are derived again from `files`.
+    /// The claims as recorded; the authoritative ones are derived again from `files`.
     pub claims: Vec<u8>,
     /// Name and text of every source file, the program's own first.
     pub files: Vec<(String, String)>,
@@ -24,19 +24,19 @@ pub struct Recording {
     pub settings: Vec<String>,
     /// The version of Tweeze that wrote it.
     pub version: String,
-    /// In the order of the file.
+    /// In file order.
     pub lines: Vec<RecordedMessage>,
 }
 
-/// A line of the exchange as it was recorded.
+/// A recorded line of the control protocol.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedMessage {
-    /// The bytes, which may have blanks that the line lacks.
+    /// The bytes, which may have spaces that the canonical line lacks.
     pub text: String,
     pub line: ControlLine,
 }
 
-/// Takes a recording apart.
+/// Parses a recording.
 ///
 /// # Errors
 /// See [`LogError`].

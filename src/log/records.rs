@@ -1,4 +1,4 @@
-//! The records of an MCAP file, taken apart with a check before every step.
+//! Parses the records of an MCAP file, with a check before every step.
 
 use super::error::LogError;
 use super::series::{self, Decoder, Samples, Series};
@@ -10,17 +10,17 @@ use mcap::records::op;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// Opcode and length, before every record.
+/// Length of the opcode and the length field before every record.
 const RECORD_HEAD_BYTES: usize = 9;
 
-/// The largest chunk that is unpacked: the largest message, and as much again for those before it.
+/// Largest chunk that is unpacked: the largest message, and a quarter more for the messages before it.
 const MAX_CHUNK_BYTES: u64 = MAX_MESSAGE_BYTES + MAX_MESSAGE_BYTES / 4;
 
-/// Content taken from a log.
+/// The parts of a log that are kept.
 #[derive(Default)]
 pub struct Contents<'a> {
     pub attachments: Vec<Attachment<'a>>,
-    /// The metadata records of Tweeze, by their names.
+    /// The metadata records of Tweeze, by name.
     pub metadata: BTreeMap<&'static str, BTreeMap<String, String>>,
     pub voltages: Vec<Series>,
 }
@@ -32,10 +32,10 @@ pub struct Attachment<'a> {
     pub data: &'a [u8],
 }
 
-/// Called with the topic, the instant and the bytes of every message, in the order of the file.
+/// Called with the topic, the instant and the bytes of every message, in file order.
 pub type Visitor<'v> = dyn FnMut(&str, u64, &[u8]) + 'v;
 
-/// Message types and topics met, and the amount read.
+/// State of the reader: message types and topics found, and amounts read.
 struct RecordsState<'v> {
     visit: &'v mut Visitor<'v>,
     schemas: BTreeMap<u16, RecordSchema>,
@@ -47,7 +47,7 @@ struct RecordsState<'v> {
 }
 
 impl RecordsState<'_> {
-    /// Counts a definition that is kept.
+    /// Counts a definition that is stored.
     fn define(&mut self, record: &LogRecord) -> Result<(), LogError> {
         self.definition_bytes += record.body.len() as u64;
         let (bytes, limit) = (self.definition_bytes, MAX_DEFINITION_BYTES);
@@ -68,7 +68,7 @@ struct RecordSchema {
     descriptor: Vec<u8>,
 }
 
-/// A topic: the series that its messages go to, if it is one of voltages.
+/// A topic, and the series that its messages go to if it is one of channels.
 struct SeriesTopic {
     name: String,
     definition: Vec<u8>,
@@ -96,7 +96,7 @@ pub fn read<'a, 'v>(bytes: &'a [u8], visit: &'v mut Visitor<'v>) -> Result<Conte
     Ok(contents)
 }
 
-/// Reads to the end of the file. The summary serves fast access by viewers; only its checksum matters here.
+/// Reads to the end of the file. The summary gives viewers fast access; only its checksum matters here.
 fn check_summary(records: &mut Records) -> Result<(), LogError> {
     let start = records.at;
     loop {
@@ -129,7 +129,7 @@ fn check_crc(covered: &[u8], written: u32, record: &LogRecord, what: &str) -> Re
     }
 }
 
-/// One record of the data section.
+/// Handles one record of the data section.
 fn take<'a>(record: &LogRecord<'a>, contents: &mut Contents<'a>, state: &mut RecordsState) -> Result<(), LogError> {
     match record.opcode {
         op::CHUNK => chunk(record, contents, state),
@@ -305,11 +305,11 @@ fn message(record: &LogRecord, contents: &mut Contents, state: &mut RecordsState
     Ok(())
 }
 
-/// The records of a file or a chunk, one after the other.
+/// Iterates over the records of a file or a chunk.
 struct Records<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// Where the chunk stands in the file; 0 for the file itself.
+    /// Offset of the chunk in the file; 0 for the file itself.
     base: u64,
 }
 
@@ -321,7 +321,7 @@ struct LogRecord<'a> {
 }
 
 impl LogRecord<'_> {
-    /// Where it begins in the file; within a compressed chunk, where the chunk does.
+    /// Offset of the record in the file; within a compressed chunk, the offset of the chunk.
     fn offset(&self) -> u64 {
         if self.base > 0 { self.base } else { self.start as u64 }
     }
@@ -341,7 +341,7 @@ impl<'a> Records<'a> {
     }
 }
 
-/// The fields of a record, one after the other.
+/// Iterates over the fields of a record.
 struct RecordFields<'a> {
     body: &'a [u8],
     at: usize,

@@ -1,4 +1,4 @@
-//! Recorded voltages and positions: how their messages are read, and whether they are those of the schedule.
+//! Recorded voltages and positions: decodes their messages and compares them with the schedule.
 
 use super::{BOUND_SUFFIX, PERIOD_SUFFIX};
 use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule, Swing};
@@ -7,7 +7,7 @@ use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorSet};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The largest message type that is read, in bytes; decoding one takes some hundred times as much memory.
+/// Largest message type that is read, in bytes; decoding one takes some hundred times as much memory.
 pub const MAX_DESCRIPTOR_BYTES: usize = 64 * 1024;
 
 /// Tolerance of a value on a slope, relative to the larger end: the rounding of a few operations.
@@ -16,22 +16,22 @@ const SLOPE_ROUNDING: f64 = 1e-12;
 /// The recorded channels of a device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// The topic that it stands in.
+    /// The topic of the series.
     pub topic: String,
     pub columns: Vec<SeriesColumn>,
     pub samples: Samples,
 }
 
-/// Instants in rising order, with a value for each column. A log may hold millions, so they lie in two lists.
+/// Increasing instants, with a value for each column. A log may have millions, so they are stored in two flat lists.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Samples {
     times_ns: Vec<u64>,
-    /// Those of the first instant, then those of the next.
+    /// The values of the first instant, then those of the next.
     values: Vec<f64>,
 }
 
 impl Samples {
-    /// Adds an instant with its values, as many as every other one has.
+    /// Adds an instant with its values; their number is the same for all instants.
     pub fn push(&mut self, t_ns: u64, values: &[f64]) {
         self.times_ns.push(t_ns);
         self.values.extend_from_slice(values);
@@ -54,24 +54,24 @@ impl Samples {
     }
 }
 
-/// Meaning of a number in each message.
+/// Meaning of one of the numbers in each message.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SeriesColumn {
     /// Full name of the channel: `bot.bl4.set`.
     pub channel: String,
     pub bound: Bound,
-    /// The periods of the channel's drive trains, as in the log; empty for an exact value.
+    /// The periods of the channel's drive trains, as written in the log; empty for an exact value.
     pub periods_ns: String,
 }
 
-/// How a recorded number stands to the value of its channel.
+/// Relation of a recorded number to the value of its channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bound {
-    /// It is the value.
+    /// The value itself.
     Exact,
     /// The lower level during a drive train, otherwise the value.
     Low,
-    /// It is the higher level.
+    /// The higher level during a drive train, otherwise the value.
     High,
 }
 
@@ -90,16 +90,16 @@ impl Bound {
     }
 }
 
-/// How the values of a message are found.
+/// Decoder for the values of a message.
 #[derive(Debug)]
 pub enum Decoder {
-    /// One field for each channel; the index of a field's channel by its number.
+    /// One field for each channel: from a field's number to the index of its channel.
     Fields(BTreeMap<u64, usize>),
-    /// All channels as one packed list of this field.
+    /// All channels in this field, as a packed list.
     List { number: u64, count: usize },
 }
 
-/// The decoder of a message type, with the meaning of its numbers, which the topic's metadata give for each field.
+/// The decoder of a message type, with the meaning of each number, which the topic's metadata give for each field.
 pub fn decoder(
     name: &str,
     descriptor: &[u8],
@@ -155,12 +155,12 @@ fn number(field: &FieldDescriptorProto) -> Result<u64, String> {
     }
 }
 
-/// Wire types of protobuf.
+/// Protobuf wire types.
 const FIXED64: u64 = 1;
 const LENGTH_DELIMITED: u64 = 2;
 
 impl Decoder {
-    /// The values of a message. Every channel must be present, once.
+    /// The values of a message. Every channel must be present exactly once.
     pub fn decode(&self, mut bytes: &[u8]) -> Result<Vec<f64>, String> {
         match self {
             Decoder::Fields(fields) => {
@@ -201,14 +201,14 @@ fn double(bytes: &mut &[u8]) -> Result<f64, String> {
     Ok(f64::from_le_bytes(*value))
 }
 
-/// Where the recorded voltages or positions depart from the schedule.
+/// Difference between the recorded voltages or positions and the schedule.
 #[derive(Debug, Clone, PartialEq)]
 pub enum VoltageFault {
-    /// A device's channels are not recorded, or are recorded without being in the schedule.
+    /// The channels of a device are not recorded, or channels are recorded that the schedule does not have.
     Topic { topic: String },
-    /// The channels of a topic are not those of the device, in their order.
+    /// The channels of a topic are not those of the device, in order.
     Channels { topic: String },
-    /// A value is another.
+    /// A value differs.
     Value { channel: String, unit: ChannelUnit, t_ns: u64, recorded: f64, scheduled: f64 },
     /// A jump or an end is not recorded, so that a plot would show something else.
     Gap { topic: String, t_ns: u64 },
@@ -228,11 +228,11 @@ impl std::fmt::Display for VoltageFault {
     }
 }
 
-/// The first departure of recorded voltages and positions from a schedule.
+/// The first difference between recorded voltages and positions and a schedule.
 ///
-/// If there is none, the straight lines between the messages of a topic are the channels of its device at every nanosecond, or
-/// the two levels between which they swing: every instant at which something jumps or bends is there, and the one before it,
-/// and 0, and the end.
+/// If there is none, linear interpolation between the messages of a topic gives the channels of its device at every
+/// nanosecond, or the two levels between which they swing: every instant at which a value jumps or bends is recorded,
+/// as are the instant before it, 0 and the end.
 pub fn fault(schedule: &Schedule, voltages: &[Series]) -> Option<VoltageFault> {
     let topics: BTreeSet<String> = schedule.channels.iter().map(topic).collect();
     let by_channel = schedule.by_channel();
@@ -250,7 +250,7 @@ pub fn fault(schedule: &Schedule, voltages: &[Series]) -> Option<VoltageFault> {
     Some(VoltageFault::Topic { topic: extra.topic.clone() })
 }
 
-/// The topic that a channel is recorded in.
+/// The topic in which a channel is recorded.
 fn topic(channel: &Channel) -> String {
     super::topic(&channel.device, channel.unit)
 }
@@ -271,7 +271,7 @@ fn topic_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Ser
     })
 }
 
-/// The columns that must be recorded of a channel.
+/// The columns required for a channel.
 fn columns(channel: &str, actuations: &[&Actuation]) -> impl Iterator<Item = SeriesColumn> {
     let swings = actuations.iter().filter_map(|actuation| actuation.swing);
     let periods: BTreeSet<u64> = swings.map(|swing| swing.period_ns).collect();
@@ -311,8 +311,8 @@ fn column_fault(
     None
 }
 
-/// The value between actuations, `over` of them being over: a stage stays at its last position, or at its first one before the first
-/// actuation.
+/// The value between actuations, after the first `over` of them: a stage stays at its last position or, before its
+/// first actuation, at the position where that begins.
 fn rest(channel: &Channel, actuations: &[&Actuation], over: usize) -> f64 {
     match channel.unit {
         ChannelUnit::Volt => channel.rest_v,

@@ -65,12 +65,12 @@ fn more_bytes_after_the_end_are_damage() {
     assert_eq!(code(&bytes), Code::E0842);
 }
 
-/// A record with its head.
+/// A record with opcode and length.
 fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
     [&[opcode], (body.len() as u64).to_le_bytes().as_slice(), body].concat()
 }
 
-/// A whole file around the records of a data section, with right checksums.
+/// A complete file around the records of a data section, with correct checksums.
 fn file(records: &[Vec<u8>]) -> Vec<u8> {
     let mut bytes = [mcap::MAGIC, &record(op::HEADER, &[0; 8]), &records.concat()].concat();
     let crc = crc32fast::hash(&bytes);
@@ -118,7 +118,7 @@ fn bombs_are_refused_before_they_are_unpacked() {
 
 #[test]
 fn the_sum_of_the_chunks_is_limited() {
-    // Messages of a topic that nobody reads, after its definition, which each chunk repeats.
+    // Messages of a topic that is not read, after its definition, which each chunk repeats.
     let text = |text: &str| [(text.len() as u32).to_le_bytes().as_slice(), text.as_bytes()].concat();
     let topic = record(op::CHANNEL, &[vec![1, 0, 0, 0], text("a"), text("protobuf"), vec![0; 4]].concat());
     let message = record(op::MESSAGE, &[vec![1, 0], vec![0; 20], vec![0; 60 << 20]].concat());
@@ -313,7 +313,7 @@ fn a_message_says_every_channel_once() {
     assert!(list.decode(&[]).is_err());
 }
 
-/// Messages; head and data of each attachment; metadata.
+/// Messages; header and data of each attachment; metadata.
 #[derive(Clone)]
 struct LogParts {
     messages: Vec<u8>,
@@ -321,7 +321,7 @@ struct LogParts {
     metadata: Vec<u8>,
 }
 
-/// The records of a good log with the messages unpacked, the attachments and the metadata behind them.
+/// The records of an intact log: the messages unpacked, then the attachments and the metadata.
 fn unpacked() -> LogParts {
     use mcap::records::Record;
     let (mut messages, mut attachments, mut metadata) = (Vec::new(), Vec::new(), Vec::new());
@@ -354,7 +354,7 @@ fn unpacked() -> LogParts {
     LogParts { messages, attachments, metadata }
 }
 
-/// The parts as a file with right checksums.
+/// The parts as a file with correct checksums.
 fn packed(parts: &LogParts) -> Vec<u8> {
     let mut records = vec![chunk(parts.messages.len() as u64, crc32fast::hash(&parts.messages), "", &parts.messages)];
     for (head, data) in &parts.attachments {

@@ -1,9 +1,10 @@
-//! Holds a schedule against the instruments that its channels are wired to.
+//! Checks a schedule against the instruments that its channels are wired to.
 //!
-//! Input: a schedule and the claims with the program's bench. Promise: of a schedule that passes, every level lies within the
-//! range of the output that plays it and of the amplifier behind it, a switched channel has no level but the two of its switch,
-//! no amplifier needs longer for a change than the new level lasts; stages can follow their channels ([`super::stages`]), and every edge
-//! falls on a sample of its instrument's clock, of levels that are as fine as the device needs ([`super::sampled`]). What is wrong is pointed out at the wire, with the step that asks for it.
+//! Input: a schedule and the claims with the program's bench. Promise, for a schedule that passes: every level is
+//! within the range of the output that plays it and of the amplifier behind it; a switched channel has only the two
+//! levels of its switch; no amplifier needs longer for a change than the new level lasts; stages can follow their
+//! channels ([`super::stages`]); every edge falls on a sample of its instrument's clock, and levels are as fine as
+//! the device needs ([`super::sampled`]). Faults are reported at the wire, together with the step that causes them.
 
 use super::wired_channel::WiredChannel;
 use super::{sampled, stages};
@@ -15,7 +16,7 @@ use crate::schedule::levels::joined;
 use crate::schedule::{Actuation, Schedule};
 use std::collections::BTreeMap;
 
-/// Whether all instruments can play the schedule; otherwise there are errors.
+/// Whether all instruments can play the schedule; if not, errors were pushed.
 pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
     let before = sink.errors();
     let wired = schedule.channels.iter().zip(schedule.by_channel()).enumerate();
@@ -37,7 +38,7 @@ pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
 }
 
 impl WiredChannel<'_> {
-    /// The level that lies furthest beyond what the output or the amplifier gives.
+    /// The level that exceeds the range of the output or of the amplifier by most.
     fn beyond_range(&self) -> Option<Diagnostic> {
         let Link::Amplifier { gain, limit_v, .. } = self.drive.link else { return self.beyond_stage_driver() };
         let largest = self.largest(|value| value.abs())?;
@@ -69,7 +70,7 @@ impl WiredChannel<'_> {
         })
     }
 
-    /// The position that lies furthest beyond the voltages of the output.
+    /// The position that exceeds the voltages of the output by most.
     fn beyond_stage_driver(&self) -> Option<Diagnostic> {
         let Link::StageDriver { zero_v, scale_v_per_um } = self.drive.link else { return None };
         let (value, actuation) = self.largest(|value| self.drive.link.at_output(value).abs())?;
@@ -90,7 +91,7 @@ impl WiredChannel<'_> {
         })
     }
 
-    /// A voltage at rest that the output or its switch does not give.
+    /// A rest voltage that the output or its switch cannot give.
     fn rests_beyond(&self) -> Option<Diagnostic> {
         let rest_v = self.channel.rest_v;
         let (code, given) = match self.drive.link {
@@ -109,13 +110,13 @@ impl WiredChannel<'_> {
         Some(diagnostic.help("choose another `rest` of the output, or wire it to what gives that voltage"))
     }
 
-    /// The value with the greatest size, and its actuation.
+    /// The value with the largest `size`, and its actuation.
     fn largest(&self, size: impl Fn(f64) -> f64) -> Option<(f64, &Actuation)> {
         let all = self.actuations.iter().flat_map(|actuation| actuation.levels().map(|value| (value, *actuation)));
         all.reduce(|best, next| if size(next.0) > size(best.0) { next } else { best })
     }
 
-    /// A level that is not one of the two of a switch.
+    /// A level that is not one of the two levels of a switch.
     fn unswitched(&self) -> Option<Diagnostic> {
         let Link::Switch { on_v } = self.drive.link else { return None };
         let other = |value: &f64| *value != 0.0 && *value != on_v;
@@ -139,7 +140,7 @@ impl WiredChannel<'_> {
     /// A level that an electrode driver cannot be set to.
     fn beyond_driver(&self) -> Option<Diagnostic> {
         let InstrumentFacts::ElectrodeDriver(facts) = &self.instrument.facts else { return None };
-        // A magnet or a heater is on or off, whatever the level of the output that says so.
+        // A magnet or a heater is on or off, whatever the level of the output that switches it.
         if self.instrument.facts.output(&self.drive.output) == Some(OutputSort::Accessory) {
             return None;
         }
@@ -156,7 +157,7 @@ impl WiredChannel<'_> {
         })
     }
 
-    /// A change that takes an amplifier longer than its new level lasts.
+    /// A change for which an amplifier needs longer than its new level lasts.
     fn too_fast(&self) -> Option<Diagnostic> {
         let Link::Amplifier { slew_v_per_s: Some(slew), .. } = self.drive.link else { return None };
         let mut last = (0, self.channel.rest_v);
@@ -193,7 +194,8 @@ impl WiredChannel<'_> {
     }
 }
 
-/// For each electrode driver the shortest time between two changes of its electrodes, against that of its frames.
+/// For each electrode driver, compares the shortest time between two changes of its electrodes with that between its
+/// frames.
 fn shorter_than_a_frame(wired: &[WiredChannel]) -> Vec<Diagnostic> {
     let mut changes: BTreeMap<&str, (&WiredChannel, u64, BTreeMap<u64, Actuation>)> = BTreeMap::new();
     for wired in wired {

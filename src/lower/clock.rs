@@ -1,4 +1,4 @@
-//! Puts the plans of a program on one clock.
+//! Places the plans of a program on one clock.
 
 use super::timeline::{MAX_DURATION_NS, place};
 use super::{bench, holds, lowered, outputs};
@@ -15,20 +15,20 @@ use crate::schedule::{
 use crate::source::{Sources, Span};
 use std::collections::BTreeMap;
 
-/// A job alone, from its own instant 0.
+/// A single job, timed from its own instant 0.
 #[derive(Default)]
 pub struct LoweredRun {
     pub duration_ns: u64,
-    /// Channels are named without the device.
+    /// Channels are named without the device's name.
     pub actuations: Vec<(String, RunActuation)>,
-    /// Start and duration of each step of the order, in order, with the step's place.
+    /// Source span, start and duration of each step of the order, in order.
     pub steps: Vec<(Span, u64, u64)>,
-    /// Those of steps in which they overlap.
+    /// The operations of steps in which operations overlap.
     pub operations: Vec<LoweredOperation>,
     pub states: Vec<TimedState>,
 }
 
-/// A value on a channel within a run; `step` is an index of the run's steps.
+/// A value on a channel within a run; `step` is an index into the run's steps.
 pub struct RunActuation {
     pub start_ns: u64,
     pub duration_ns: u64,
@@ -38,21 +38,22 @@ pub struct RunActuation {
     pub step: usize,
 }
 
-/// An operation within a run; `step` is an index of the run's steps, other terms are those of [`ScheduledOperation`].
+/// An operation within a run; `step` is an index into the run's steps, the other fields are those of
+/// [`ScheduledOperation`].
 pub struct LoweredOperation {
     pub step: usize,
     pub span: Span,
     pub parts: Vec<String>,
-    /// The cell that the plan has chosen for it, where the program names several.
+    /// The cell that the plan chose for it, if the program names several.
     pub at: Option<[u32; 2]>,
     pub start_ns: u64,
     pub arrival_ns: u64,
     pub end_ns: u64,
 }
 
-/// The schedule of a program, from a plan for each of its jobs.
+/// Builds the schedule of a program from a plan for each of its jobs.
 ///
-/// `None` after an error: the whole would last longer than [`MAX_DURATION_NS`], or its bench cannot play it.
+/// `None` after an error: the schedule would be longer than [`MAX_DURATION_NS`], or its bench cannot play it.
 pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &mut Sink) -> Option<Schedule> {
     let runs: Option<Vec<LoweredRun>> = plans.iter().map(|plan| lowered(&plan.motion).run()).collect();
     let Some(runs) = runs else { return too_long(claims, sink) };
@@ -77,7 +78,7 @@ pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &
     bench::holds(&schedule, claims, sink).then_some(schedule)
 }
 
-/// Warns where a device stands still between two of its runs, and what it carries is held in runs only.
+/// Warns if a device that holds what it carries only during runs is idle between two of its runs.
 fn between_runs(claims: &Claims, runs: &[LoweredRun], starts: &[u64], sink: &mut Sink) {
     let mut by_start: Vec<usize> = (0..runs.len()).collect();
     by_start.sort_by_key(|job| (starts[*job], *job));
@@ -103,7 +104,7 @@ fn between_runs(claims: &Claims, runs: &[LoweredRun], starts: &[u64], sink: &mut
     }
 }
 
-/// Figures of a plan by their names, as schedules have them.
+/// Outcomes of a plan by the keys, and in the units, of schedules.
 fn in_their_units(kind: Kind, figures: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
     let known = kind.vocabulary().outcomes.iter();
     known.filter_map(|outcome| Some((outcome.key(), outcome.unit.of_si(*figures.get(outcome.name)?)))).collect()
@@ -116,7 +117,7 @@ fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
     None
 }
 
-/// Gathers the runs of a program into one schedule.
+/// Collects the runs of a program in one schedule.
 struct ScheduleBuilder<'a> {
     claims: &'a Claims,
     sources: &'a Sources,
@@ -217,7 +218,7 @@ impl<'a> ScheduleBuilder<'a> {
         }
     }
 
-    /// Words of the program, on one line.
+    /// A piece of the program's text, on one line.
     fn text(&self, span: Span) -> String {
         self.sources.text(span).split_whitespace().collect::<Vec<_>>().join(" ")
     }

@@ -1,7 +1,7 @@
-//! A DiMiBot's plan as pulses on a clock of its own.
+//! Lowers a DiMiBot's plan to pulses, on a clock of its own.
 //!
-//! A pulse lasts as long as the device's pulse does; the rest that follows belongs to it, so that whatever comes next finds the
-//! modules settled.
+//! A pulse has the device's pulse duration; the rest that follows is part of it, so that the modules are settled for
+//! whatever comes next.
 
 use super::Lowered;
 use super::clock::{LoweredRun, RunActuation};
@@ -41,7 +41,7 @@ impl Lowered for Planned<'_, DimibotOrder, DimibotMotion> {
     }
 }
 
-/// Adds one pulse, its rest, and the state that it leads to.
+/// Adds one pulse, its rest, and the resulting state.
 fn fire(
     run: &mut LoweredRun,
     facts: &DimibotFacts,

@@ -1,7 +1,8 @@
-//! Puts the waits for inputs and people on the clock.
+//! Places the waits for inputs and persons on the clock.
 //!
-//! Such a wait ends when what it waits for has come, and what comes after it moves with its end. So nothing else may go on in it, whose
-//! end would then depend on it: no other run, no wait of the program, and no pulse of an output.
+//! Such a wait ends when the awaited event comes, and everything after it shifts with its end. So nothing else may be
+//! in progress during it, because its end would depend on the wait: no other run, no wait of the program, and no
+//! pulse of an output.
 
 use super::timeline::PlacedStretch;
 use crate::claims::Claims;
@@ -10,16 +11,16 @@ use crate::quantity::Quantity;
 use crate::schedule::{Actuation, Schedule, ScheduledHold};
 use crate::source::Span;
 
-/// Something that takes its time beside a wait.
+/// Something in progress during a wait.
 struct Other {
     what: String,
-    /// Where it is written, if it is known.
+    /// Its place in the source, if known.
     span: Option<Span>,
 }
 
 /// Adds the waits of all runs to a schedule.
 ///
-/// `None` after an error: something else goes on in the stretch of a wait.
+/// `None` after an error: something else is in progress during a wait.
 pub fn add(schedule: &mut Schedule, placed: &[PlacedStretch], claims: &Claims, sink: &mut Sink) -> Option<()> {
     let mut holds = Vec::new();
     let mut first_step = 0;
@@ -41,7 +42,7 @@ pub fn add(schedule: &mut Schedule, placed: &[PlacedStretch], claims: &Claims, s
     (sink.errors() == errors).then_some(())
 }
 
-/// What takes its time beside a wait of a run: another run, a wait of the program, or a pulse.
+/// Something in progress during a wait of a run: another run, a wait of the program, or a pulse.
 fn beside(
     schedule: &Schedule,
     placed: &[PlacedStretch],
@@ -67,7 +68,7 @@ fn beside(
     })
 }
 
-/// The diagnostic of something that would end before, in or after a wait, as that ends.
+/// The diagnostic of something in progress during a wait: when it would end depends on the end of the wait.
 fn goes_on(hold: &ScheduledHold, span: Span, other: &Other) -> Diagnostic {
     let title = format!("{} while the program waits for {}", other.what, hold.terms.awaited.shown());
     let place = format!("from {}, and nobody knows until when", Quantity::time_ns(hold.start_ns));

@@ -1,7 +1,8 @@
-//! Lowering: from the plans of a program's jobs to its [`Schedule`](crate::schedule::Schedule), actuations on one clock.
+//! Lowering: turns the plans of a program's jobs into its [`Schedule`](crate::schedule::Schedule), with all
+//! actuations on one clock.
 //!
-//! Input: the claims and a [`Plan`](crate::plan::Plan) for each job. Output: a schedule. Each kind turns a plan into a [`clock::LoweredRun`]
-//! of its own, from its own instant 0; [`clock`] puts the runs where the timeline wants them.
+//! Input: the claims and a [`Plan`](crate::plan::Plan) for each job. Output: a schedule. Each kind turns a plan into
+//! a [`clock::LoweredRun`], timed from its own instant 0; [`clock`] places the runs according to the timeline.
 
 mod bench;
 pub mod clock;
@@ -23,13 +24,13 @@ use crate::plan::Motion;
 use crate::schedule::ChannelUnit;
 use clock::LoweredRun;
 
-/// What a kind brings to this stage, on its plans.
+/// Lowering of a kind's plans.
 trait Lowered {
-    /// The plan from its own instant 0; `None` if it lasts longer than a `u64` counts.
+    /// The plan, timed from its own instant 0; `None` if its duration exceeds a `u64`.
     fn run(&self) -> Option<LoweredRun>;
 
-    /// The channels of the device that the schedule lists, without the device's name: of a few all, of very many those that some run
-    /// of the device uses. `own` are these runs.
+    /// The channels of the device that the schedule lists, without the device's name: all of them for a device with
+    /// few channels; for one with very many, those used by some run of the device. `own` are these runs.
     fn channels(&self, own: &mut dyn Iterator<Item = &LoweredRun>) -> Vec<(String, ChannelUnit)>;
 }
 

@@ -1,4 +1,4 @@
-//! Puts what steps do to auxiliary outputs on the clock.
+//! Places the actions on auxiliary outputs on the clock.
 
 use crate::claims::Claims;
 use crate::claims::auxiliary::AuxiliaryAction;
@@ -7,7 +7,7 @@ use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::quantity::Quantity;
 use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
 
-/// A switching of an output: the step that does it, and its instant.
+/// A switching of an output: its instant, the step that causes it, and the action.
 #[derive(Clone, Copy)]
 struct TimedEvent {
     t_ns: u64,
@@ -15,10 +15,11 @@ struct TimedEvent {
     action: AuxiliaryAction,
 }
 
-/// Adds a channel for each auxiliary output of a program, and what its steps do to it. A pulse begins with its step; a level lasts until the
-/// next step of the output, or until the schedule ends, which it does not before the last pulse. Where an output is at rest, there is no actuation.
+/// Adds a channel for each auxiliary output of a program, with the actions of its steps. A pulse begins with its
+/// step; a level lasts until the next step of the output, or until the end of the schedule, which is not before the
+/// end of the last pulse. While an output is at rest, there is no actuation.
 ///
-/// `None` after an error: an output is switched again while a pulse lasts, or twice at one instant.
+/// `None` after an error: an output is switched again during a pulse, or twice at the same instant.
 pub fn add(schedule: &mut Schedule, claims: &Claims, sink: &mut Sink) -> Option<()> {
     let mut events: Vec<Vec<TimedEvent>> = vec![Vec::new(); claims.outputs.len()];
     let mut first_step = 0;
@@ -74,7 +75,7 @@ pub fn add(schedule: &mut Schedule, claims: &Claims, sink: &mut Sink) -> Option<
     (sink.errors() == errors).then_some(())
 }
 
-/// The voltage that a step gives to an output.
+/// The voltage that an action gives to an output.
 fn voltage(output: &AuxiliaryOutput, action: AuxiliaryAction) -> f64 {
     match action {
         AuxiliaryAction::Pulse if output.rest_v == output.high_v => output.low_v,
@@ -92,7 +93,7 @@ fn add_channel(schedule: &mut Schedule, claims: &Claims, name: &str, output: &Au
     schedule.channels.len() as u32 - 1
 }
 
-/// The diagnostic of two steps that switch an output, if the second comes too soon.
+/// The diagnostic of two steps that switch an output, if the second follows too soon.
 fn too_soon(
     schedule: &Schedule,
     name: &str,
@@ -102,7 +103,7 @@ fn too_soon(
     let [earlier, later] = [first, second].map(|event| &schedule.steps[event.step]);
     let gap_ns = second.t_ns - first.t_ns;
     let (title, help) = match output.pulse_ns {
-        // Two pulses without a gap between them are one.
+        // Two pulses without a gap between them would merge into one.
         Some(pulse_ns) if gap_ns <= pulse_ns => (
             format!(
                 "`{name}` is pulsed again {} after a pulse of {} began",
@@ -125,7 +126,7 @@ fn too_soon(
     Some(diagnostic.label_elsewhere(earlier.span, later.span, "after this one").help(help))
 }
 
-/// A level that nothing would ever show.
+/// The diagnostic of a level that is set only at the end of the schedule, and so never appears.
 fn set_at_the_end(schedule: &Schedule, name: &str, event: TimedEvent) -> Diagnostic {
     Diagnostic::new(Code::E0607, format!("`{name}` is set as the schedule ends, and goes back to rest at once"))
         .label(schedule.steps[event.step].span, "nothing comes after it")

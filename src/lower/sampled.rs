@@ -1,7 +1,8 @@
-//! Holds a schedule against the samples of its instruments: their clock and their bits.
+//! Checks a schedule against the sampling of its instruments: clock and resolution.
 //!
-//! Lines and outputs of one card share a clock, as the sender plays them, so that the slowest of them holds for all. Levels are rounded to
-//! the bits of an output; where a device says how well its voltages are known, or how far its stages may be off, that is held against it.
+//! The lines and outputs of one card share a clock in the sender, so the slowest of them limits all. Levels are
+//! rounded to the resolution of an output; if a device states the margin of its voltages, or the tolerance of its
+//! stages, the rounding is checked against that.
 
 use super::wired_channel::WiredChannel;
 use crate::claims::Claims;
@@ -11,18 +12,19 @@ use crate::quantity::{Dimension, Quantity, significant};
 use crate::schedule::{Actuation, ChannelUnit, common_divisor_ns};
 use std::collections::BTreeMap;
 
-/// Voltages are rounded by no more than one part in this many of the device's margin: little beside what that is for.
+/// Voltages are rounded by at most 1/N of the device's margin: little compared with what the margin is for.
 const MARGIN_SHARE: f64 = 10.0;
 
-/// The voltages of one instrument and what samples them.
+/// The voltages of one instrument and their sampling.
 struct SampledVoltages<'a> {
     actuations: Vec<(&'a WiredChannel<'a>, Actuation)>,
-    /// The least of the rates of the outputs that are used, with its drive.
+    /// The lowest sample rate of the outputs that are used, with its drive.
     rate_hz: f64,
     slowest: &'a Drive,
 }
 
-/// For each instrument the greatest sample period that every edge of its voltages falls on, against its clock.
+/// For each instrument, compares the longest sample period on which every edge of its voltages falls with the
+/// instrument's clock.
 pub fn finer_than_a_sample(wired: &[WiredChannel]) -> Vec<Diagnostic> {
     let mut common: BTreeMap<&str, SampledVoltages> = BTreeMap::new();
     for wired in wired.iter().filter(|wired| !wired.actuations.is_empty()) {
@@ -66,7 +68,7 @@ fn finer(voltages: SampledVoltages) -> Option<Diagnostic> {
     Some(finding.help(format!("choose pulse durations, rests and waits as multiples of {least} or of a longer time")))
 }
 
-/// The greatest sample rate of an output, in hertz; `None` where it has no clock.
+/// The highest sample rate of an output, in hertz; `None` if it has no clock.
 fn rate_hz(drive: &Drive, instrument: &Instrument) -> Option<f64> {
     let sort = instrument.facts.output(&drive.output)?;
     match (&instrument.facts, sort) {
@@ -77,7 +79,7 @@ fn rate_hz(drive: &Drive, instrument: &Instrument) -> Option<f64> {
     }
 }
 
-/// A channel whose output rounds its values further than the device bears.
+/// A channel whose output rounds its values by more than the device tolerates.
 pub fn coarser_than_its_use(wired: &WiredChannel, claims: &Claims) -> Option<Diagnostic> {
     let &WiredChannel { channel, drive, instrument, .. } = wired;
     let voltage = instrument.facts.voltage()?;
@@ -97,7 +99,7 @@ pub fn coarser_than_its_use(wired: &WiredChannel, claims: &Claims) -> Option<Dia
         ChannelUnit::Micrometre => {
             let borne_um = claims.tolerance_um(&channel.device)? / 2.0;
             let values: Vec<f64> = of.map(at_output).collect();
-            // A stage comes by all values between two.
+            // A stage passes through all values between two, so the worst rounding is half a step.
             let most_v = OutputCodes::new(instrument, voltage, &values)?.step_v / 2.0;
             (most_v, borne_um, "half of its `tolerance`")
         }
@@ -119,14 +121,16 @@ pub fn coarser_than_its_use(wired: &WiredChannel, claims: &Claims) -> Option<Dia
     Some(Diagnostic::new(Code::E0625, title).label(drive.span, format!("{} bits", voltage.bits)).help(help))
 }
 
-/// The voltages that an output gives: those of a generator span what it plays, those of a card its whole range.
+/// The voltages that an output can give: the codes of a generator span the voltages that it plays, those of a card
+/// its whole range.
 struct OutputCodes {
     middle_v: f64,
     step_v: f64,
 }
 
 impl OutputCodes {
-    /// Of an output that plays these voltages; `None` for one without codes, or with one voltage all the time.
+    /// The codes of an output that plays these voltages; `None` for an output without codes, or with a constant
+    /// voltage.
     fn new(instrument: &Instrument, voltage: VoltageOutput, played_v: &[f64]) -> Option<OutputCodes> {
         let least_v = played_v.iter().copied().reduce(f64::min)?;
         let most_v = played_v.iter().copied().reduce(f64::max)?;
@@ -143,7 +147,7 @@ impl OutputCodes {
         (step_v > 0.0).then_some(OutputCodes { middle_v, step_v })
     }
 
-    /// How far a voltage is from the nearest one that the output gives.
+    /// Distance of a voltage from the nearest one that the output can give.
     fn rounds_by(&self, played_v: f64) -> f64 {
         let codes = (played_v - self.middle_v) / self.step_v;
         (codes - codes.round()).abs() * self.step_v

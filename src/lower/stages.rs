@@ -1,7 +1,8 @@
-//! Holds the way of a stage against what the stage can follow: its travel, its greatest speed, and its acceleration.
+//! Checks the path of a stage against the stage's travel, greatest speed and acceleration.
 //!
-//! A way of straight lines changes its speed at once where two of them meet. A stage rounds such a corner, and a controller that knows a
-//! way by points in time cuts it. Both together stay within half of the tolerance of the hand: planned ways use the other half.
+//! A path of straight lines has speed jumps where two lines meet. A stage rounds such a corner, and a controller that
+//! samples the path in time cuts it. Both deviations together must stay within half of the hand's tolerance; planned
+//! paths use the other half.
 
 use super::wired_channel::WiredChannel;
 use crate::claims::Claims;
@@ -10,7 +11,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::{Actuation, ChannelUnit, Turn};
 
-/// What a stage cannot follow of its channel, if it is one of positions; `all` are the channels of the schedule that are wired.
+/// The first limit of a stage that its channel exceeds, if the channel is one of positions; `all` are the wired
+/// channels of the schedule.
 pub fn beyond_stage(wired: &WiredChannel, all: &[WiredChannel], claims: &Claims) -> Option<Diagnostic> {
     let stage = FollowingStage { wired, all };
     match wired.channel.unit {
@@ -30,12 +32,13 @@ pub fn beyond_stage(wired: &WiredChannel, all: &[WiredChannel], claims: &Claims)
     }
 }
 
-/// How far a stage may be off a way of a device, in micrometres: half of the least tolerance of its tasks.
+/// Allowed deviation of a stage from a device's path, in micrometres: half of the smallest tolerance of the device's
+/// tasks.
 fn spare_um(claims: &Claims, device: &str) -> Option<f64> {
     Some(claims.tolerance_um(device)? / 2.0)
 }
 
-/// A channel of positions with the stage that follows it.
+/// A channel of positions, and the stage that follows it.
 struct FollowingStage<'a> {
     wired: &'a WiredChannel<'a>,
     all: &'a [WiredChannel<'a>],
@@ -58,12 +61,12 @@ impl FollowingStage<'_> {
         self.wired.finding(Code::E0624, title, at_wire, step)
     }
 
-    /// The stages of the same wire, this one among them: a mend for one is one for all of them.
+    /// The stages on the same wire, this one included: they share any change of the wire.
     fn of_wire(&self) -> impl Iterator<Item = &WiredChannel<'_>> {
         self.all.iter().filter(|other| other.drive.span == self.wired.drive.span)
     }
 
-    /// A place that lies beyond the travel of the stage.
+    /// A position beyond the travel of the stage.
     fn beyond_travel(&self) -> Option<Diagnostic> {
         let Link::Axis { origin_um, direction, least_um, most_um } = self.wired.drive.link else { return None };
         let places = || self.wired.actuations.iter().flat_map(|one| [one.from, one.to].map(|value| (value, *one)));
@@ -86,7 +89,7 @@ impl FollowingStage<'_> {
         Some(self.finding(title, at_wire, actuation.step).help(help))
     }
 
-    /// A speed beyond that of the stage.
+    /// A speed beyond the greatest speed of the stage.
     fn too_fast(&self) -> Option<Diagnostic> {
         let most = self.wired.drive.limits.speed_um_per_s?;
         let size = |one: &&Actuation| one.speed_um_per_s().abs();
@@ -112,7 +115,7 @@ impl FollowingStage<'_> {
         Some(self.finding(title, format!("`speed` of {}", speed(most)), actuation.step).help(slower(share)))
     }
 
-    /// A corner that takes the stage too far off its way, with the points of the controller `period_s` apart.
+    /// A corner at which the stage deviates too far from its path, for controller points `period_s` apart.
     fn turns_too_sharply(&self, spare_um: f64, period_s: f64) -> Option<Diagnostic> {
         let (limits, schedule) = (self.wired.drive.limits, self.wired.schedule);
         let share = |turn: &Turn| slowed(limits, turn, period_s, spare_um);
@@ -146,7 +149,7 @@ impl FollowingStage<'_> {
     }
 }
 
-/// The least and the greatest value of a way, if the stage moves or stands at all.
+/// The least and the greatest value of a path; `None` if there are no actuations.
 fn ends_um(wired: &WiredChannel) -> Option<[f64; 2]> {
     let values = wired.actuations.iter().flat_map(|one| [one.from, one.to]);
     values.fold(None, |ends, value| {
@@ -155,7 +158,7 @@ fn ends_um(wired: &WiredChannel) -> Option<[f64; 2]> {
     })
 }
 
-/// What to do about speeds that are too high: of which this share is not.
+/// Advice for speeds that are too high: `share` of them is not.
 fn slower(share: f64) -> String {
     match (share * 100.0).floor() {
         percent if percent >= 1.0 => format!("lower the speeds of the device to {percent} % of what they are"),
@@ -163,8 +166,9 @@ fn slower(share: f64) -> String {
     }
 }
 
-/// The share of its speed at which a stage can follow a turn: it then leaves its way by no more than what is spared, a quadratic
-/// equation, and has the time for the change, which takes less then and has more. Above 1 where it can follow.
+/// The share of its speed at which a stage can follow a corner: the deviation then stays within `spare_um` (a
+/// quadratic equation), and the change fits into the time for it, which grows while the change gets shorter. Above 1
+/// if it can follow at full speed.
 fn slowed(limits: StageLimits, turn: &Turn, period_s: f64, spare_um: f64) -> f64 {
     let (rounding, cut) = (limits.rounding_um(turn.change_um_per_s), cut_um(turn.change_um_per_s, period_s));
     let within = match rounding > 0.0 {
@@ -175,7 +179,8 @@ fn slowed(limits: StageLimits, turn: &Turn, period_s: f64, spare_um: f64) -> f64
     within.min((turn.room_ns as f64 / takes_ns).sqrt())
 }
 
-/// Where the origin may lie for the ways between pairs of places to lie within a travel, or at least one's `own`.
+/// Advice on the origin, such that all paths, each given by its two ends, fit into the travel, or else such that the
+/// path `own_um` does.
 fn origin_help(ways_um: &[[f64; 2]], own_um: [f64; 2], travel_um: [f64; 2], direction: Direction) -> String {
     let widest = |[low, high]: [f64; 2], way: &[f64; 2]| [low.min(way[0]), high.max(way[1])];
     let all_um = ways_um.iter().fold(own_um, widest);
@@ -191,7 +196,7 @@ fn origin_help(ways_um: &[[f64; 2]], own_um: [f64; 2], travel_um: [f64; 2], dire
     }
 }
 
-/// The origin in the middle of those with which a way lies within a travel, if there are any.
+/// The middle of the origins with which a path fits into a travel; `None` if there are none.
 fn origin_within([low_um, high_um]: [f64; 2], [least_um, most_um]: [f64; 2], direction: Direction) -> Option<f64> {
     let [low_um, high_um] = match direction {
         Direction::Forward => [low_um, high_um],

@@ -1,19 +1,19 @@
-//! When the runs and waits of a program take place.
+//! Placement of the runs and waits of a program in time.
 
 use crate::claims::Timeline;
 
-/// The longest schedule, in nanoseconds: a little over eleven days.
+/// Longest schedule, in nanoseconds: a little over eleven days.
 pub const MAX_DURATION_NS: u64 = 1_000_000_000_000_000;
 
-/// A run or a wait of a program on its clock; a wait has no job.
+/// A run or a wait of a program, on its clock; a wait has no job.
 pub struct PlacedStretch {
     pub start_ns: u64,
     pub end_ns: u64,
     pub job: Option<usize>,
 }
 
-/// Puts the runs, of which each lasts its `runs_ns`, and the waits of a timeline on the clock. Returns where the timeline ends; `None` if
-/// that is later than [`MAX_DURATION_NS`].
+/// Places the runs and waits of a timeline on the clock; run i lasts `runs_ns[i]`. Returns the end of the timeline;
+/// `None` if that is later than [`MAX_DURATION_NS`].
 pub fn place(timeline: &Timeline, at_ns: u64, runs_ns: &[u64], placed: &mut Vec<PlacedStretch>) -> Option<u64> {
     let mut lasts = |duration_ns: u64, job: Option<usize>| {
         let end_ns = at_ns.checked_add(duration_ns)?;

@@ -6,11 +6,11 @@ use crate::quantity::Quantity;
 use crate::schedule::levels::away_from_rest;
 use crate::schedule::{Actuation, Channel, ChannelUnit, Schedule};
 
-/// A channel with what plays it.
+/// A channel with its wiring.
 pub struct WiredChannel<'a> {
     pub schedule: &'a Schedule,
     pub channel: &'a Channel,
-    /// Of the schedule's channels.
+    /// Index into the schedule's channels.
     pub index: usize,
     pub drive: &'a Drive,
     pub instrument: &'a Instrument,
@@ -19,12 +19,12 @@ pub struct WiredChannel<'a> {
 }
 
 impl WiredChannel<'_> {
-    /// The actuations between which its value changes.
+    /// The actuations away from rest, with equal levels joined: its value changes at their ends.
     pub fn away_from_rest(&self) -> Vec<Actuation> {
         away_from_rest(self.actuations.iter().copied(), self.channel.rest_v)
     }
 
-    /// What the wire does not bear of a step.
+    /// A diagnostic at the wire, for something that a step asks of it and that it cannot do.
     pub fn finding(&self, code: Code, title: String, at_wire: String, step: u32) -> Diagnostic {
         let step = &self.schedule.steps[step as usize];
         let begin = Quantity::time_ns(step.start_ns);

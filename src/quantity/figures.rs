@@ -1,23 +1,24 @@
-//! Figures for people: so many digits, rounded to the nearest or to the side on which a sentence stays true.
+//! Numbers for people: a given number of digits, rounded to the nearest or towards the side on which a sentence stays
+//! true.
 
 use crate::real::Real;
 use std::fmt::Display;
 
-/// Relative distance from a round figure that is the rounding of arithmetic.
+/// Relative distance from a round number that counts as rounding error of arithmetic.
 const ROUNDING: f64 = 1e-9;
 
-/// The nearest value of so many significant digits.
+/// The nearest value with this many significant digits.
 pub fn significant(value: f64, digits: usize) -> f64 {
     let after_the_first = digits.saturating_sub(1);
     format!("{value:.after_the_first$e}").parse().unwrap_or(value)
 }
 
-/// The next value of so many significant digits that is no less: of what has to be enough.
+/// The next value with this many significant digits that is not less: for what must be enough.
 pub fn no_less(value: f64, digits: usize) -> f64 {
     directed(value * (1.0 - ROUNDING), digits, f64::ceil)
 }
 
-/// The next value of so many significant digits that is no more: of what is available.
+/// The next value with this many significant digits that is not more: for what is available.
 pub fn no_more(value: f64, digits: usize) -> f64 {
     directed(value * (1.0 + ROUNDING), digits, f64::floor)
 }
@@ -27,34 +28,35 @@ fn directed(value: f64, digits: usize, to_whole: impl Fn(f64) -> f64) -> f64 {
         return value;
     }
     let decimals = digits as i32 - 1 - value.common_logarithm().floor() as i32;
-    // The text of the digits is the nearest double to them; a product with a power of ten need not be.
+    // Parsing the text gives the double nearest to the digits; a product with a power of ten need not be that.
     let scaled = to_whole(value * 10f64.whole_power(decimals));
     format!("{scaled}e{}", -decimals).parse().ok().filter(|rounded: &f64| rounded.is_finite()).unwrap_or(value)
 }
 
-/// The nearest value of so many decimals.
+/// The nearest value with this many decimals.
 pub fn to_decimals(value: f64, decimals: u8) -> f64 {
     let power = 10f64.whole_power(i32::from(decimals));
     (value * power).round() / power
 }
 
-/// Greatest denominator of a fraction that is written as one.
+/// Greatest denominator of a number that is written as a fraction.
 const MAX_DENOMINATOR: u32 = 4_096;
 
-/// Halvings of which a fraction is still written as one.
+/// Most halvings after which a number is still written as a fraction.
 const MAX_HALVINGS: u32 = 20;
 
-/// Relative difference from a fraction that is rounding.
+/// Relative difference from a fraction that counts as rounding error.
 const FRACTION_ROUNDING: f64 = 1e-12;
 
-/// A share or a volume, as `3/8` where it is such a fraction; else as [`digits`] has it, and never as 1 if it is less.
+/// A share or a volume as a fraction such as `3/8` if it is one; otherwise in the form of [`digits`], and never as 1
+/// if it is less.
 pub fn fraction(value: f64) -> String {
     let numerator = |denominator: &u32| {
         let numerator = (value * f64::from(*denominator)).round();
         let is_it = (numerator / f64::from(*denominator) - value).abs() <= FRACTION_ROUNDING * value.abs();
         is_it.then_some((numerator, *denominator))
     };
-    // What is halved again and again has powers of two below the line.
+    // Repeated halving gives powers of two as denominators.
     let powers = (MAX_DENOMINATOR.ilog2()..=MAX_HALVINGS).map(|halvings| 1 << halvings);
     match (1..=MAX_DENOMINATOR).chain(powers).find_map(|denominator| numerator(&denominator)) {
         Some((numerator, denominator)) if denominator > 1 => format!("{numerator}/{denominator}"),
@@ -65,7 +67,7 @@ pub fn fraction(value: f64) -> String {
     }
 }
 
-/// A count with a blank between thousands: `200 000`.
+/// A count with a space between thousands: `200 000`.
 pub fn grouped(count: u64) -> String {
     if count < 1000 { count.to_string() } else { format!("{} {:03}", grouped(count / 1000), count % 1000) }
 }
@@ -80,14 +82,14 @@ pub fn count<N: Display + PartialEq + From<u8>>(number: N, noun: &str) -> String
     format!("{number} {noun}{plural}")
 }
 
-/// A number with at most six significant digits, without trailing zeros; plain notation where it is short.
+/// A number with at most six significant digits, without trailing zeros; in plain notation if that is short.
 pub fn digits(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
     let exponent = value.abs().common_logarithm().floor();
     if !(-5.0..15.0).contains(&exponent) {
-        // Read again, it is written without the zeros at its end.
+        // Parsing and printing it again drops trailing zeros.
         let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
         return format!("{rounded:e}");
     }

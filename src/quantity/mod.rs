@@ -1,7 +1,7 @@
 //! Dimensions, units and typed quantities: parsing and printing with SI prefixes.
 //!
-//! A [`Quantity`] is a number in SI base units with its [`Dimension`]. Decimal prefixes are applied to the digits before they
-//! become binary, so `35 um` is the double nearest to 35·10⁻⁶ and not a rounded product.
+//! A [`Quantity`] is a number in SI base units with its [`Dimension`]. Decimal prefixes are applied to the digits
+//! before they become binary, so `35 um` is the double nearest to 35·10⁻⁶ and not a rounded product.
 
 mod figures;
 pub(crate) mod slip;
@@ -15,8 +15,8 @@ use std::fmt;
 
 /// The exponents of the base units metre, kilogram, second, ampere, kelvin, radian and pixel.
 ///
-/// An angle is a dimension of its own here, so that `90` cannot pass for `90 deg`; and so is what is read off an image, so that no pixel
-/// passes for a length.
+/// Angles are a dimension of their own, so that `90` cannot pass for `90 deg`; so are pixels of an image, so that no
+/// pixel count passes for a length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct Dimension([i8; 7]);
 
@@ -24,7 +24,7 @@ const fn dimension(metre: i8, kilogram: i8, second: i8, ampere: i8, kelvin: i8, 
     Dimension([metre, kilogram, second, ampere, kelvin, radian, 0])
 }
 
-/// The largest exponent that a base unit may reach in either direction.
+/// Largest absolute value of an exponent.
 pub const MAX_EXPONENT: i8 = 12;
 
 impl Dimension {
@@ -47,17 +47,17 @@ impl Dimension {
     pub const CAPACITANCE: Dimension = dimension(-2, -1, 4, 2, 0, 0);
     pub const DENSITY: Dimension = dimension(-3, 1, 0, 0, 0, 0);
     pub const VISCOSITY: Dimension = dimension(-1, 1, -1, 0, 0, 0);
-    /// Angle over length.
+    /// Turning rate of a path: angle per length.
     pub const TURNING: Dimension = dimension(-1, 0, 0, 0, 0, 1);
-    /// Along a row or a column of an image.
+    /// Length along a row or a column of an image.
     pub const PIXELS: Dimension = Dimension([0, 0, 0, 0, 0, 0, 1]);
-    /// Length over pixels.
+    /// Length per pixel.
     pub const SCALE: Dimension = Dimension([1, 0, 0, 0, 0, 0, -1]);
-    /// Voltage over time.
+    /// Voltage per time.
     pub const SLEW_RATE: Dimension = dimension(2, 1, -4, -1, 0, 0);
-    /// Voltage over length.
+    /// Voltage per length.
     pub const SENSITIVITY: Dimension = dimension(1, 1, -3, -1, 0, 0);
-    /// Force over speed.
+    /// Force per speed.
     pub const DAMPING: Dimension = dimension(0, 1, -1, 0, 0, 0);
 
     /// The dimension of a product, if its exponents stay within [`MAX_EXPONENT`].
@@ -100,7 +100,7 @@ impl Dimension {
         NAMED.iter().find(|named| named.dimension == self)
     }
 
-    /// What people call it, with its article: `a length`, `a number`, `a quantity in m^2`.
+    /// Its usual name with an article: `a length`, `a number`, `a quantity in m^2`.
     pub fn with_article(self) -> String {
         match self.named() {
             Some(named) => named.with_article.to_owned(),
@@ -108,18 +108,18 @@ impl Dimension {
         }
     }
 
-    /// What people call it, without an article: `length`, `number`, `quantity in m^2`.
+    /// Its usual name without an article: `length`, `number`, `quantity in m^2`.
     pub fn name(self) -> String {
         let name = self.with_article();
         name.split_once(' ').map_or(name.clone(), |(_, rest)| rest.to_owned())
     }
 
-    /// A unit that people write for it, for an example in a message: `um`, `ms`, `V`; empty for a plain number.
+    /// A common unit, for an example in a message: `um`, `ms`, `V`; empty for a plain number.
     pub fn example_unit(self) -> String {
         self.named().map_or_else(|| self.base_units(), |named| named.example.to_owned())
     }
 
-    /// The units that people write for it, those of everyday prefixes; none for a plain number.
+    /// Its common units, with everyday prefixes; empty for a plain number.
     pub fn usual_units(self) -> Vec<String> {
         let prefixed = PREFIXED.iter().filter(|unit| unit.2 == self);
         let prefixed = prefixed.flat_map(|unit| ["n", "u", "m", ""].map(|prefix| format!("{prefix}{}", unit.0)));
@@ -151,11 +151,11 @@ fn within(exponent: i32) -> Option<i8> {
     i8::try_from(exponent).ok().filter(|e| e.abs() <= MAX_EXPONENT)
 }
 
-/// A dimension that has a name, the unit it is printed in, and the unit that an example uses.
+/// A dimension with a name, the unit in which it is printed, and the unit of examples.
 struct Named {
     dimension: Dimension,
     with_article: &'static str,
-    /// The unit that takes SI prefixes when a value is printed; empty where none does.
+    /// The unit that takes SI prefixes when a value is printed; empty if there is none.
     symbol: &'static str,
     example: &'static str,
 }
@@ -192,8 +192,8 @@ const fn named(dimension: Dimension, with_article: &'static str, symbol: &'stati
     Named { dimension, with_article, symbol, example }
 }
 
-/// A unit as a power of ten, a further factor (1 but for `deg`, `turn`, `min`, `h`), and a dimension; its zero lies at so many base units
-/// (0 but for `degC`).
+/// A unit: a power of ten, a further factor (1 except for `deg`, `turn`, `min`, `h`), and a dimension. Its zero is at
+/// `zero` base units (0 except for `degC`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     ten: i32,
@@ -205,10 +205,11 @@ pub struct Unit {
 /// The zero of the Celsius scale, in kelvin.
 const CELSIUS_ZERO_K: f64 = 273.15;
 
-/// The unit of temperatures whose zero is not that of its base unit; it stands alone, and not in products.
+/// The unit of temperature whose zero differs from that of its base unit; it must stand alone, not in products.
 pub const CELSIUS: &str = "degC";
 
-/// The units that take the prefixes of [`PREFIXES`]: name, power of ten of the unit itself in base units, dimension.
+/// The units that take the prefixes of [`PREFIXES`]: name, power of ten of the unprefixed unit in base units,
+/// dimension.
 pub(crate) const PREFIXED: &[(&str, i32, Dimension)] = &[
     ("m", 0, Dimension::LENGTH),
     ("s", 0, Dimension::TIME),
@@ -253,10 +254,10 @@ pub(crate) const PLAIN: &[(&str, i32, f64, Dimension)] = &[
     ("%", -2, 1.0, Dimension::NUMBER),
 ];
 
-/// Why a text is no unit.
+/// Reason why a text is not a unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum UnitError {
-    /// No such unit; the nearest known one, if one is near.
+    /// Unknown unit, with the nearest known one, if one is near.
     Unknown { part: String, nearest: Option<String> },
     /// An exponent beyond [`MAX_EXPONENT`].
     ExponentTooLarge,
@@ -266,7 +267,8 @@ impl Unit {
     /// The unit of a plain number.
     pub const ONE: Unit = Unit { ten: 0, factor: 1.0, zero: 0.0, dimension: Dimension::NUMBER };
 
-    /// Reads a unit without blanks: factors joined by `*` and `/` from left to right, each with a whole power after `^`.
+    /// Parses a unit without spaces: factors joined by `*` and `/` from left to right, each with an optional integer
+    /// power after `^`.
     pub fn parse(text: &str) -> Result<Unit, UnitError> {
         if text == CELSIUS {
             return Ok(Unit { ten: 0, factor: 1.0, zero: CELSIUS_ZERO_K, dimension: Dimension::TEMPERATURE });
@@ -296,9 +298,9 @@ impl Unit {
         })
     }
 
-    /// The quantity of so many of this unit. `digits` is a decimal number in Rust's notation.
+    /// The quantity of `digits` in this unit; `digits` is a decimal number in Rust's notation.
     ///
-    /// Returns `None` when the digits are no number or the result is not finite.
+    /// `None` if the digits are not a number or the result is not finite.
     pub fn of(self, digits: &str) -> Option<Quantity> {
         let (mantissa, exponent) = match digits.split_once(['e', 'E']) {
             Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
@@ -311,7 +313,7 @@ impl Unit {
     }
 }
 
-/// A unit in its usual spelling: `um` for `µm`. A text that is no unit stays as it is.
+/// A unit in its canonical spelling: `um` for `µm`. A text that is not a unit is returned unchanged.
 pub fn canonical_unit(text: &str) -> Cow<'_, str> {
     const MICRO: [char; 2] = ['µ', 'μ'];
     if text.contains(MICRO) && Unit::parse(text).is_ok() { text.replace(MICRO, "u").into() } else { text.into() }
@@ -350,14 +352,14 @@ fn unknown(part: &str) -> UnitError {
     let nearest = common_units()
         .into_iter()
         .map(|unit| (strsim::osa_distance(&unit.to_lowercase(), &part.to_lowercase()), unit))
-        // One letter is near to every other one, but not to itself in another case.
+        // One-letter units are near to every other one; only a change of case counts for them.
         .filter(|(distance, unit)| *distance == 0 || *distance == 1 && unit.len() > 1)
         .min()
         .map(|(_, unit)| unit);
     UnitError::Unknown { part: part.to_owned(), nearest }
 }
 
-/// The units that a person would write, for suggestions and completions.
+/// Common units, for suggestions and completions.
 pub fn common_units() -> Vec<String> {
     let mut units: Vec<String> = PLAIN.iter().map(|unit| unit.0.to_owned()).collect();
     for (name, _, _) in PREFIXED {
@@ -371,12 +373,12 @@ pub fn common_units() -> Vec<String> {
 pub struct Quantity {
     pub si: f64,
     pub dimension: Dimension,
-    /// Whether it is a place on the scale that begins at 0 degC. Such a place has differences, but neither multiples nor a sum with
-    /// another one: twice 30 degC would be 333.15 degC.
+    /// Whether it is a point on the Celsius scale. Such points have differences, but neither multiples nor sums:
+    /// twice 30 degC would be 333.15 degC.
     pub is_celsius: bool,
 }
 
-/// Equal temperatures are equal on whatever scale they were written.
+/// Equal temperatures are equal whatever scale they were written in.
 impl PartialEq for Quantity {
     fn eq(&self, other: &Quantity) -> bool {
         (self.si, self.dimension) == (other.si, other.dimension)
@@ -389,7 +391,7 @@ impl Quantity {
         Quantity::new(value, Dimension::NUMBER)
     }
 
-    /// So many base units of a dimension.
+    /// A quantity in base units of a dimension.
     pub fn new(si: f64, dimension: Dimension) -> Self {
         Quantity { si, dimension, is_celsius: false }
     }
@@ -410,7 +412,7 @@ impl Quantity {
         Quantity::new(ns as f64 / 1e9, Dimension::TIME)
     }
 
-    /// The value in a unit of its own dimension, read off without the error of a product with a power of ten.
+    /// The value in a unit of its own dimension, without the error of a product with a power of ten.
     pub fn in_unit(self, unit: &str) -> f64 {
         let unit = Unit::parse(unit).expect("only units of the closed list are named in the compiler");
         assert_eq!(unit.dimension, self.dimension);
@@ -418,8 +420,8 @@ impl Quantity {
     }
 }
 
-/// `value` times ten to the power of `ten`, rounded once: multiplication for growing, division for shrinking, both by an
-/// exactly representable power.
+/// `value` times 10^`ten`, rounded once: multiplication for growing, division for shrinking, both by an exactly
+/// representable power.
 fn shift(value: f64, ten: i32) -> f64 {
     if ten >= 0 { value * 10f64.whole_power(ten) } else { value / 10f64.whole_power(-ten) }
 }
@@ -439,7 +441,7 @@ impl fmt::Display for Quantity {
             Some("px") => write!(f, "{} px", digits(self.si)),
             Some("um/px") => write!(f, "{} um/px", digits(self.in_unit("um/px"))),
             Some(CELSIUS) => write!(f, "{} {CELSIUS}", digits(self.in_unit(CELSIUS))),
-            // It has its prefix.
+            // `kg` has its prefix already.
             Some(symbol) if symbol.starts_with("kg") => write!(f, "{} {symbol}", digits(self.si)),
             Some(symbol) => prefixed(f, self.si, symbol),
             None => write!(f, "{} {}", digits(self.si), self.dimension.base_units()),

@@ -1,20 +1,21 @@
-//! The unit that was probably meant where one of another dimension is written.
+//! Guesses the unit that was meant if one of a wrong dimension is written.
 
 use super::{Dimension, PREFIXED, PREFIXES, Unit};
 
-/// The greatest power that a slip is mended to.
+/// Greatest power that a suggestion contains.
 const MAX_POWER: u32 = 4;
 
-/// The units of electricity and mechanics that are taken for one another, as `W` for `J`.
+/// Units of electricity and mechanics that are often confused, such as `W` for `J`.
 const CONFUSED: [&str; 7] = ["V", "A", "J", "W", "N", "C", "F"];
 
-/// A unit of a dimension that differs from a written one by one power, as `g/cm^3` from `g/cm^2`, or by the name behind its prefix, as `mJ`
-/// from `mW`; `None` where there is none, so that a number would change its meaning with its unit.
+/// A unit of the required dimension that differs from the written one by one power, such as `g/cm^3` from `g/cm^2`,
+/// or by the name after its prefix, such as `mJ` from `mW`; `None` if there is none: any other unit would change the
+/// meaning of the number.
 pub fn meant(written: &str, dimension: Dimension) -> Option<String> {
     with_another_power(written, dimension).or_else(|| with_another_name(written, dimension))
 }
 
-/// By leaving a factor out, or else by another power of one.
+/// Drops a factor, or else changes its power.
 fn with_another_power(written: &str, dimension: Dimension) -> Option<String> {
     let starts = || std::iter::once(0).chain(written.match_indices(['*', '/']).map(|(at, _)| at + 1));
     let end = |start: usize| written[start..].find(['*', '/']).map_or(written.len(), |end| start + end);

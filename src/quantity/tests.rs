@@ -88,7 +88,7 @@ fn degrees_celsius_count_from_a_zero_of_their_own() {
     assert_eq!(of("95", "degC").to_string(), "95 degC");
     assert_eq!(of("300", "K").to_string(), "26.85 degC");
     assert_eq!(of("37", "degC").in_unit("degC"), 37.0);
-    // In products a difference is meant, which has one zero.
+    // In products a temperature is a difference, for which the zero does not matter.
     let unknown =
         |text: &str| matches!(Unit::parse(text), Err(UnitError::Unknown { nearest: Some(near), .. }) if near == "K");
     assert!(unknown("degC/s") && unknown("W/degC") && unknown("degC^2"));
@@ -101,7 +101,7 @@ fn figures_are_rounded_to_the_side_on_which_they_stay_true() {
         (98.76, 2, 98.0, 99.0, 99.0),
         (99.96, 3, 99.9, 100.0, 100.0),
         (1234.5, 2, 1200.0, 1200.0, 1300.0),
-        // The rounding of arithmetic is no further digit.
+        // Rounding errors of arithmetic do not count as further digits.
         (0.1 + 0.2, 2, 0.3, 0.3, 0.3),
         (50.000_000_000_1, 3, 50.0, 50.0, 50.0),
         (49.999_999_999_9, 3, 50.0, 50.0, 50.0),

@@ -1,4 +1,4 @@
-//! States of a DiMiBot, and the places that its steps reach.
+//! States of a DiMiBot, and the positions that its steps reach.
 
 use super::cost::{Costed, count_of, proof, rounded};
 use super::reached::{Reached, Reaching};
@@ -8,12 +8,12 @@ use crate::device::dimibot::{DimibotObjective, DimibotOutcome, Side};
 use crate::quantity::{count, digits};
 use serde::{Deserialize, Serialize};
 
-/// Where a robot stands.
+/// State of a robot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DimibotState {
     pub word: u64,
     pub cell: [u32; 2],
-    /// Nominal place of the end-effector in the frame R1.
+    /// Nominal position of the end-effector in the frame R1.
     pub position_um: [f64; 2],
 }
 
@@ -39,7 +39,8 @@ impl Reaching for DimibotOrder {
 }
 
 impl Costed for DimibotOrder {
-    /// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`; in cells only where they are squares.
+    /// `29.88 um (70 r) in 9 switches, optimal (bound 29.88 um)`; the distance in cells (r) only if cells are
+    /// squares.
     fn cost(&self, plan: &PlanRecord) -> String {
         let figure = |value: f64| match plan.unit.as_str() {
             "" => digits(value),
@@ -59,7 +60,7 @@ impl Costed for DimibotOrder {
         }
     }
 
-    /// Modules switched in it.
+    /// Number of modules switched in the interval.
     fn stretch(&self, plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
         let words = plan.states.iter().filter_map(|TimedState { t_ns, state }| match state {
             State::Dimibot(DimibotState { word, .. }) => Some((*t_ns, *word)),

@@ -1,4 +1,4 @@
-//! States of an electrode array. Its steps ask for cells, which are met or not.
+//! States of an electrode array. The goals of its steps are cells, which are met exactly or not at all.
 
 use super::cost::{Costed, count_of, proof};
 use super::reached::{Reached, Reaching};
@@ -9,10 +9,11 @@ use crate::quantity::{count, digits};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Where the parts of a board stand.
+/// Cells of the parts of a board.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ElectrodeArrayState {
-    /// Column and row of each part, both from 1, by its name; a part that has merged with another is gone.
+    /// Column and row of each part, both from 1, by its name; a part that has merged into another is no longer
+    /// listed.
     pub parts: BTreeMap<String, [u32; 2]>,
 }
 
@@ -51,7 +52,7 @@ impl Costed for ElectrodeArrayOrder {
         format!("{minimised}, {}; {reached}{}", proof(plan, digits), bounded(plan, other))
     }
 
-    /// Steps of the board in it.
+    /// Number of steps of the board in the interval.
     fn stretch(&self, _plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
         Some(count(end_ns.saturating_sub(start_ns) / self.facts.step_ns.max(1), "step"))
     }

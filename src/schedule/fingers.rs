@@ -9,18 +9,19 @@ use crate::quantity::count;
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
-/// What a hand holds, and where.
+/// Grasp of a hand, and the pose of its part.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FingersState {
     /// The contact that each finger holds, from 1; 0 for a free finger.
     pub grasp: Vec<u32>,
-    /// The angle of the turn that goes on, as steps from its beginning, from 1 as in the paper; below 1 where the part is turned back.
+    /// Angle of the current turn in steps, from 1 at its beginning as in the paper; below 1 where the part is turned
+    /// back.
     pub angle_index: i64,
     /// The plane in which the fingers hold.
     pub plane: Plane,
-    /// The centre of each tip that holds, in the hand's frame.
+    /// The centre of each holding tip, in the hand's frame.
     pub tips_um: Vec<Option<[f64; 3]>>,
-    /// Where the part's origin is in the hand's frame.
+    /// Position of the part's origin in the hand's frame.
     pub position_um: [f64; 3],
     /// The part's orientation in the hand's frame as a unit quaternion w, x, y, z, with w not negative.
     pub orientation: [f64; 4],

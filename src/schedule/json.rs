@@ -1,21 +1,21 @@
-//! The schedule as JSON: format `tweeze-schedule`, version 2, the form that `schema/schedule.schema.json` describes.
+//! The schedule as JSON: format `tweeze-schedule`, version 2, as described by `schema/schedule.schema.json`.
 //!
-//! Input: a [`Schedule`], or the bytes of one. Promise: [`read`] gives back exactly the input of [`write()`] except the spans,
-//! every float bit for bit; the result has no index out of range, no instant beyond `u64`, no empty actuation, and swings of
-//! whole periods only.
+//! Input: a [`Schedule`], or the bytes of one. Promise: [`read`] returns exactly the input of [`write()`] except the
+//! spans, every float bit for bit; the result has no index out of range, no instant beyond `u64`, no empty actuation,
+//! and only swings of whole periods.
 
 use super::{Actuation, Schedule, Swing};
 use serde::{Deserialize, Serialize};
 use serde_json::ser::{Formatter, PrettyFormatter, Serializer};
 use std::io;
 
-/// The word in `format`.
+/// The value of `format`.
 pub const FORMAT: &str = "tweeze-schedule";
 
-/// The number in `version`; it goes up when a reader of the old form would misread the new one.
+/// The value of `version`; incremented when a reader of the old form would misread the new one.
 pub const VERSION: u64 = 2;
 
-/// Longest duration of a written schedule, in nanoseconds, about 146 years: twice as many are still a `u64`.
+/// Longest duration of a schedule that is written, in nanoseconds: about 146 years. Twice that still fits a `u64`.
 pub const MAX_DURATION_NS: u64 = u64::MAX / 4;
 
 #[derive(Serialize)]
@@ -32,14 +32,14 @@ struct Header {
     version: u64,
 }
 
-/// Why bytes are not a schedule.
+/// Reason why bytes are not a schedule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ReadError {
-    /// Not JSON, or not of this form; the fault and its place in words.
+    /// Not JSON, or not of this form; the fault and its position in words.
     Form(String),
     /// Another format or version.
     Version { format: String, version: u64 },
-    /// An entry that contradicts another, by its place (`actuations[3].channel`) and the fault.
+    /// An entry that contradicts another: its path (`actuations[3].channel`) and the fault.
     Contradiction { place: String, what: String },
 }
 
@@ -55,9 +55,9 @@ impl std::fmt::Display for ReadError {
     }
 }
 
-/// The schedule as UTF-8 text: one line for every channel, actuation, step and state.
+/// The schedule as UTF-8 text: one line for each channel, actuation, step and state.
 ///
-/// A float that is not finite becomes `null`, which no reader takes; the emit stage refuses it before.
+/// A non-finite float becomes `null`, which no reader accepts; the emit stage refuses it beforehand.
 pub fn write(schedule: &Schedule) -> Vec<u8> {
     let document = ScheduleDocument { format: FORMAT, version: VERSION, schedule };
     let mut bytes = Vec::new();
@@ -67,10 +67,10 @@ pub fn write(schedule: &Schedule) -> Vec<u8> {
     bytes
 }
 
-/// The schedule of a text.
+/// Parses a schedule.
 ///
 /// # Errors
-/// See [`ReadError`]. Fields that this version does not know are passed over, but for those of a pose.
+/// See [`ReadError`]. Unknown fields are ignored, except those of a pose.
 pub fn read(bytes: &[u8]) -> Result<Schedule, ReadError> {
     let form = |error: serde_json::Error| ReadError::Form(error.to_string());
     let Header { format, version } = serde_json::from_slice(bytes).map_err(form)?;
@@ -136,7 +136,7 @@ fn check(schedule: &Schedule) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Fault of a swing: the field, and the reason.
+/// Fault of a swing: the field and the reason; `None` if it is valid.
 fn swing_fault(actuation: &Actuation, swing: Swing) -> Option<(&'static str, &'static str)> {
     let Swing { period_ns, levels } = swing;
     let bits = |values: [f64; 2]| values.map(f64::to_bits);
@@ -150,10 +150,10 @@ fn swing_fault(actuation: &Actuation, swing: Swing) -> Option<(&'static str, &'s
     (!agrees).then_some(("swing.levels", "are not `from` and `to`"))
 }
 
-/// Depths of lists whose elements get a line each: those of the document, and the states of a plan.
+/// Depths of the lists whose elements get a line each: those of the document, and the states of a plan.
 const DEPTHS_OF_LINES: [usize; 3] = [1, 2, 4];
 
-/// Prints small things on one line and long lists on many.
+/// Prints small values on one line and long lists on many.
 #[derive(Default)]
 struct CompactLines {
     depth: usize,

@@ -1,15 +1,15 @@
-//! Levels of a channel as they are played: where one goes on, nothing changes.
+//! Joins consecutive actuations at the same level, since nothing changes between them.
 
 use super::Actuation;
 
 impl Actuation {
-    /// The value that it has all the time; `None` for a slope or a swing.
+    /// Its constant value; `None` for a slope or a swing.
     fn level(&self) -> Option<f64> {
         (self.swing.is_none() && self.from == self.to).then_some(self.from)
     }
 }
 
-/// The actuations of a channel, which come in order of time; those that go on at the level of the one before are one with it.
+/// The actuations of a channel, in order of time, with each run of adjoining ones at the same level joined into one.
 pub fn joined<'a>(actuations: impl IntoIterator<Item = &'a Actuation>) -> Vec<Actuation> {
     let mut joined: Vec<Actuation> = Vec::new();
     for actuation in actuations {
@@ -24,7 +24,8 @@ pub fn joined<'a>(actuations: impl IntoIterator<Item = &'a Actuation>) -> Vec<Ac
     joined
 }
 
-/// As [`joined`], without those that keep a channel at rest: the ends of these are where its value changes.
+/// As [`joined`], without those that keep a channel at rest; the ends of the remaining ones are where its value
+/// changes.
 pub fn away_from_rest<'a>(actuations: impl IntoIterator<Item = &'a Actuation>, rest_v: f64) -> Vec<Actuation> {
     joined(actuations).into_iter().filter(|actuation| actuation.level() != Some(rest_v)).collect()
 }

@@ -1,8 +1,8 @@
-//! The one timed form of all kinds: channels, actuations in integer nanoseconds, the steps that caused them.
+//! The timed form shared by all kinds: channels, actuations in integer nanoseconds, and the steps that caused them.
 //!
-//! Data only: `lower` makes it, `verify` judges it, `emit` writes it, `log` reads it. Promise: actuations are sorted by start, then
-//! channel; a channel has at most one value at a time; every actuation knows its step, every step its source span. There are no floats
-//! but the values of actuations and the figures of plans.
+//! Data only: `lower` makes it, `verify` judges it, `emit` writes it, `log` reads it. Promise: actuations are sorted
+//! by start, then channel; a channel has at most one value at a time; every actuation knows its step, every step its
+//! source span. The only floats are the values of actuations and the figures of plans.
 
 pub mod cost;
 pub mod dimibot;
@@ -28,28 +28,29 @@ use sha2::{Digest, Sha256};
 /// The timed actuations of a program, with its steps and plans.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
-    /// The program's or task's name.
+    /// The name of the program or task.
     pub name: String,
     pub source: SourceRef,
-    /// From the first instant to the end of the last step, rests included.
+    /// From time 0 to the end of the last step, rests included.
     pub duration_ns: u64,
     pub channels: Vec<Channel>,
     pub actuations: Vec<Actuation>,
     pub steps: Vec<ScheduledStep>,
-    /// One for each job of the claims, in their order.
+    /// One for each job of the claims, in the same order.
     pub plans: Vec<PlanRecord>,
-    /// Where it waits for an input or a person, in order of time.
+    /// Waits for an input or a person, in order of time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub holds: Vec<ScheduledHold>,
-    /// The instruments that play the channels, where the program declares any.
+    /// The instruments that play the channels, if the program declares any.
     #[serde(default, skip_serializing_if = "Bench::is_empty")]
     pub bench: Bench,
 }
 
-/// A stretch in which nothing changes: the clock goes on from its end as soon as what is waited for has come.
+/// An interval of the schedule in which nothing changes; the clock continues from its end as soon as the awaited
+/// event has come.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ScheduledHold {
-    /// Index of the schedule's steps.
+    /// Index into the schedule's steps.
     pub step: u32,
     pub start_ns: u64,
     #[serde(flatten)]
@@ -57,7 +58,7 @@ pub struct ScheduledHold {
 }
 
 impl ScheduledHold {
-    /// The instant at which its stretch ends.
+    /// The instant at which the interval ends.
     pub fn end_ns(&self) -> u64 {
         self.start_ns + self.terms.duration_ns
     }
@@ -69,13 +70,13 @@ pub struct SourceRef {
     pub file: String,
     /// SHA-256 of the file's bytes, in lower-case hexadecimal.
     pub sha256: String,
-    /// The values that replace those of the text, `pitch=80um`, in the order in which they were given.
+    /// The `--set` values that replace those of the text, `pitch=80um`, in the order given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub settings: Vec<String>,
 }
 
 impl SourceRef {
-    /// Names the first file of a program.
+    /// Refers to the first file of a program.
     pub fn of(sources: &Sources) -> SourceRef {
         let own = sources.file(FileId(0));
         let settings = sources.settings().map(|(name, value)| format!("{name}={value}")).collect();
@@ -88,16 +89,17 @@ pub fn sha256(text: &str) -> String {
     Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// One output of an instrument.
+/// One output: a voltage, or the position of a stage.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
-    /// With the device in front: `bot.bl4.set`.
+    /// With the device's name in front: `bot.bl4.set`.
     pub name: String,
     pub device: String,
     pub unit: ChannelUnit,
-    /// The physical output, where a `wiring` names one.
+    /// The physical output, if a `wiring` names one.
     pub wire: Option<String>,
-    /// A voltage's value before the schedule, after it, between its actuations and when it is broken off: 0 V for the channels of devices.
+    /// Rest value of a voltage: before and after the schedule, between its actuations, and when the schedule is
+    /// aborted. 0 V for the channels of devices.
     #[serde(default, skip_serializing_if = "instrument::is_zero")]
     pub rest_v: f64,
 }
@@ -107,7 +109,8 @@ pub struct Channel {
 pub enum ChannelUnit {
     #[serde(rename = "V")]
     Volt,
-    /// Where a stage is. A hand's channels have a value at every instant of their runs, one stretch after the other.
+    /// Position of a stage. A hand's channels have a value at every instant of their runs, actuation after actuation
+    /// without a gap.
     #[serde(rename = "um")]
     Micrometre,
 }
@@ -122,30 +125,31 @@ impl ChannelUnit {
     }
 }
 
-/// A channel's value over a stretch of time, from one number in a straight line to another; outside of its actuations a
-/// voltage is at rest, and a stage stays where it was last, or where it is first wanted.
+/// A channel's value over an interval, linear between two values. Outside of its actuations a voltage is at rest; a
+/// stage stays where it last was or, before its first actuation, where that one begins.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Actuation {
-    /// Index of the schedule's channels.
+    /// Index into the schedule's channels.
     pub channel: u32,
     pub start_ns: u64,
     /// Above zero.
     pub duration_ns: u64,
     pub from: f64,
     pub to: f64,
-    /// Where the value swings between two levels all the time; `from` and `to` are then the first and the last of them.
+    /// A value that alternates between two levels during the whole actuation; `from` and `to` are then the first and
+    /// the last of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub swing: Option<Swing>,
-    /// Index of the schedule's steps.
+    /// Index into the schedule's steps.
     pub step: u32,
 }
 
-/// A repeated segment: half of each period at the one level, then half at the other.
+/// A square wave: half of each period at one level, then half at the other.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Swing {
     /// Even and above zero; the actuation lasts a whole number of periods.
     pub period_ns: u64,
-    /// In the order in which they come.
+    /// In the order in which they occur.
     pub levels: [f64; 2],
 }
 
@@ -162,7 +166,7 @@ impl Actuation {
 }
 
 impl Schedule {
-    /// The actuations of each channel, in the order of time.
+    /// The actuations of each channel, in order of time.
     pub fn by_channel(&self) -> Vec<Vec<&Actuation>> {
         let mut by_channel = vec![Vec::new(); self.channels.len()];
         for actuation in &self.actuations {
@@ -175,7 +179,7 @@ impl Schedule {
     }
 }
 
-/// The greatest common divisor of two times; that of 0 and a time is the time.
+/// The greatest common divisor of two times; of 0 and a time it is the time.
 pub fn common_divisor_ns(mut a: u64, mut b: u64) -> u64 {
     while b > 0 {
         (a, b) = (b, a % b);
@@ -187,20 +191,20 @@ pub fn common_divisor_ns(mut a: u64, mut b: u64) -> u64 {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScheduledStep {
     pub task: String,
-    /// Index of the schedule's plans.
+    /// Index into the schedule's plans.
     pub plan: u32,
-    /// As written by the user, on one line.
+    /// The step's text as the user wrote it, on one line.
     pub text: String,
-    /// The file it stands in.
+    /// The file that contains it.
     pub file: String,
     pub line: u32,
     pub column: u32,
     pub start_ns: u64,
     pub duration_ns: u64,
-    /// Values that it reaches, where goals are by nature not met exactly.
+    /// Values that it reaches, for goals that are not met exactly by their nature.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reached: Vec<Reached>,
-    /// Where its operations overlap, each of them, in the order of the program.
+    /// The operations of a step in which operations overlap, in the order of the program.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub operations: Vec<ScheduledOperation>,
     #[serde(skip)]
@@ -214,31 +218,31 @@ impl ScheduledStep {
     }
 }
 
-/// One operation of a step in which several take place at the same time, on the clock. Those of one part follow each other without a
-/// gap.
+/// One operation, on the clock, of a step in which several take place at the same time. The operations of one part
+/// follow each other without a gap.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ScheduledOperation {
-    /// The parts that take part in it; of two that merge, the one that remains is the first.
+    /// The parts that take part in it; in a merge, the one that remains comes first.
     pub parts: Vec<String>,
-    /// As written by the user, on one line; in the file of the step.
+    /// The operation's text as the user wrote it, on one line; in the file of the step.
     pub text: String,
     pub line: u32,
     pub column: u32,
-    /// Column and row of the cell that the plan has chosen for it, where the program names several.
+    /// Column and row of the cell that the plan chose, if the program names several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<[u32; 2]>,
-    /// When the first of its parts is free for it.
+    /// When the first of its parts becomes free for it.
     pub start_ns: u64,
-    /// When the last of its parts has come to where it takes place; the rest of it is a stay.
+    /// When the last of its parts reaches the place of the operation; the rest of the operation is a stay.
     pub arrival_ns: u64,
-    /// From the start on.
+    /// Counted from the start.
     pub duration_ns: u64,
     #[serde(skip)]
     pub span: Span,
 }
 
 impl ScheduledOperation {
-    /// The instant at which it is done.
+    /// The instant at which it ends.
     pub fn end_ns(&self) -> u64 {
         self.start_ns + self.duration_ns
     }
@@ -255,13 +259,13 @@ pub struct PlanRecord {
     /// Unit of `cost` and `bound`; empty for a count.
     pub unit: String,
     pub cost: f64,
-    /// No plan costs less.
+    /// Lower bound: no plan costs less.
     pub bound: f64,
-    /// Whether `cost` is proven to be the least.
+    /// Whether `cost` is proven to be minimal.
     pub optimal: bool,
-    /// Every figure that the kind knows, by the keys of the vocabulary's [outcomes](crate::device::Outcome::key).
+    /// Every outcome that the kind has, by the keys of the vocabulary's [outcomes](crate::device::Outcome::key).
     pub outcomes: std::collections::BTreeMap<String, f64>,
-    /// Lower bounds of other outcomes than the minimised one: no plan is below them; by the same keys.
+    /// Lower bounds on outcomes other than the minimised one, by the same keys.
     #[serde(default, skip_serializing_if = "std::collections::BTreeMap::is_empty")]
     pub bounds: std::collections::BTreeMap<String, f64>,
     pub start_ns: u64,
@@ -274,13 +278,13 @@ pub struct PlanRecord {
 }
 
 impl PlanRecord {
-    /// The first instant after it.
+    /// The instant at which it ends.
     pub fn end_ns(&self) -> u64 {
         self.start_ns + self.duration_ns
     }
 }
 
-/// A state from an instant on.
+/// A state that holds from an instant on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimedState {
     pub t_ns: u64,
@@ -288,24 +292,24 @@ pub struct TimedState {
     pub state: State,
 }
 
-/// What every kind's state can be asked.
+/// Queries on every kind's state.
 trait KindState {
-    /// The numbers in it that are not whole.
+    /// Its non-integer numbers.
     fn floats(&self) -> Vec<f64>;
 
-    /// The column and row of each part by its name, where parts stand on cells.
+    /// Column and row of each part by its name, for kinds whose parts are on cells.
     fn cells(&self) -> Option<&std::collections::BTreeMap<String, [u32; 2]>> {
         None
     }
 }
 
 impl State {
-    /// The numbers in it that are not whole.
+    /// Its non-integer numbers.
     pub fn floats(&self) -> Vec<f64> {
         each_kind!(State, self, state => state.floats())
     }
 
-    /// The column and row of each part by its name, where parts stand on cells.
+    /// Column and row of each part by its name, for kinds whose parts are on cells.
     pub fn cells(&self) -> Option<&std::collections::BTreeMap<String, [u32; 2]>> {
         each_kind!(State, self, state => state.cells())
     }

@@ -1,8 +1,9 @@
 //! Values reached by a step, compared with its goals.
 //!
-//! Turns are whole steps, places are cells, robots stop after whole strokes: goals are seldom reached exactly.
-//! Input: an order, the index of a step, the state at its end. Output: one [`Reached`] for each goal of the step that is given by
-//! numbers and need not be met exactly. Cells, electrodes and contacts are met or not, and have none.
+//! Turns are whole steps, positions are cells, robots stop after whole strokes: goals are seldom reached exactly.
+//! Input: an order, the index of a step, the state at its end. Output: one [`Reached`] for each goal of the step that
+//! is given by numbers and need not be met exactly. Cells, electrodes and contacts are met exactly or not at all, and
+//! have none.
 
 use super::State;
 use crate::claims::Order;
@@ -10,18 +11,20 @@ use crate::device::each_kind;
 use crate::quantity::{digits, to_decimals};
 use serde::{Deserialize, Serialize};
 
-/// A numeric goal, and the value reached. The difference is reached less asked, where it is one number, and
+/// A numeric goal, and the value reached. The difference is the reached value minus the goal if it is one number,
 /// otherwise a distance or an angle, never negative.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "of", rename_all = "snake_case")]
 pub enum Reached {
     /// A turn of a hand's part about one of its own axes.
     Turn { axis: String, asked_deg: f64, reached_deg: f64, off_deg: f64 },
-    /// An orientation of a hand's part in the hand's frame, as unit quaternions w, x, y, z; for a turn about x that which it leads to.
+    /// An orientation of a hand's part in the hand's frame, as unit quaternions w, x, y, z; for a turn about x, the
+    /// orientation that it leads to.
     Orientation { asked: [f64; 4], reached: [f64; 4], off_deg: f64 },
-    /// A place of a DiMiBot's end-effector, and the nominal place of the cell that was taken for it; both in the scene's coordinates.
+    /// A position of a DiMiBot's end-effector, and the nominal position of the cell chosen for it; both in the
+    /// scene's coordinates.
     Place { asked_um: [f64; 2], reached_um: [f64; 2], off_um: f64 },
-    /// A pose of a microrobot by the nominal motion, at the end of the step.
+    /// The pose of a microrobot at the end of the step, by the nominal motion.
     Pose {
         robot: String,
         asked_um: [f64; 2],
@@ -51,7 +54,7 @@ impl Reached {
         }
     }
 
-    /// Whether the value reached differs from the goal by more than rounding.
+    /// Whether the value differs from the goal by more than rounding.
     pub fn is_off(&self) -> bool {
         const ROUNDING: f64 = 5e-5;
         match self {
@@ -61,7 +64,7 @@ impl Reached {
         }
     }
 
-    /// Whether two are about the same goal with the same values, within a tolerance of each number.
+    /// Whether two have the same goal and the same values, within a tolerance for each number.
     pub fn is_near(&self, other: &Reached, within: f64) -> bool {
         let named = |reached: &Reached| match reached {
             Reached::Turn { axis, .. } => format!("turn {axis}"),
@@ -75,7 +78,7 @@ impl Reached {
 }
 
 impl Reached {
-    /// The value reached, in short: `99.99 deg`, `(2.9884 um, 5.9768 um)`; for an orientation how far it is off.
+    /// The value reached, in short: `99.99 deg`, `(2.9884 um, 5.9768 um)`; for an orientation the deviation.
     pub fn value(&self) -> String {
         match self {
             Reached::Turn { reached_deg, .. } => format!("{} deg", rounded(*reached_deg)),
@@ -119,13 +122,13 @@ impl std::fmt::Display for Reached {
     }
 }
 
-/// What a kind's orders say of what their steps reach.
+/// Reached values of a kind's steps.
 pub(super) trait Reaching {
-    /// What a step reaches, which ends in a state; nothing where all that is asked for is met or not.
+    /// The values reached by a step that ends in the state `end`; empty if its goals are met exactly or not at all.
     fn reached(&self, nth: usize, end: &State) -> Vec<Reached>;
 }
 
-/// What a step of an order reaches, which ends in a state.
+/// The values reached by a step of an order that ends in the state `end`.
 pub fn reached(order: &Order, nth: usize, end: &State) -> Vec<Reached> {
     each_kind!(Order, order, order => order.reached(nth, end))
 }

@@ -1,20 +1,21 @@
-//! Turns of stages: where one changes its speed at once, as ways of straight lines have it.
+//! Speed jumps of stages: the corners of paths made of straight segments.
 
 use super::{Actuation, Schedule};
 
-/// A change of speed of a stage.
+/// A jump of a stage's speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turn {
     pub t_ns: u64,
     /// Above 0.
     pub change_um_per_s: f64,
-    /// How long the speed is the same before and after, the shorter of the two; `u64::MAX` where the stage stands on both sides for good.
+    /// How long the speed is constant before and after it, the shorter of the two; `u64::MAX` if the stage is at rest
+    /// on both sides for good.
     pub room_ns: u64,
-    /// The step of the actuation that ends or begins there.
+    /// The step of the actuation that begins or ends there.
     pub step: u32,
 }
 
-/// A stretch of one speed.
+/// An interval of constant speed.
 struct Stretch {
     start_ns: u64,
     speed_um_per_s: f64,
@@ -22,14 +23,14 @@ struct Stretch {
 }
 
 impl Actuation {
-    /// Speed of a stage, in micrometres a second.
+    /// Speed of a stage, in micrometres per second.
     pub fn speed_um_per_s(&self) -> f64 {
         (self.to - self.from) / self.duration_ns.max(1) as f64 * 1e9
     }
 }
 
 impl Schedule {
-    /// The actuations of a channel, in the order of time.
+    /// The actuations of a channel, in order of time.
     pub fn actuations_of(&self, channel: usize) -> Vec<&Actuation> {
         let own = self.actuations.iter().filter(|actuation| actuation.channel as usize == channel);
         let mut own: Vec<&Actuation> = own.collect();
@@ -37,7 +38,7 @@ impl Schedule {
         own
     }
 
-    /// The turns of a channel of positions, in the order of time.
+    /// The speed jumps of a channel of positions, in order of time.
     pub fn turns(&self, channel: usize) -> Vec<Turn> {
         let mut stretches = vec![Stretch { start_ns: 0, speed_um_per_s: 0.0, step: 0 }];
         let mut add = |start_ns: u64, speed_um_per_s: f64, step: u32| {
@@ -74,7 +75,7 @@ impl Schedule {
 mod tests {
     use crate::emit::fixture;
 
-    /// By looking at the speed before and after every instant at which an actuation begins or ends.
+    /// Compares the speed before and after every instant at which an actuation begins or ends.
     #[test]
     fn turns_are_where_the_speed_changes() {
         let hand = fixture::hand().verified;

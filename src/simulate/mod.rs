@@ -1,7 +1,7 @@
-//! Simulation: carries plans out with imperfect devices and measurements.
+//! Simulation: executes plans on imperfect devices with imperfect measurements.
 //!
-//! Input: a plan, how many trials, a seed. Output: a report of its kind. Promise: the same seed gives the same report,
-//! whatever the number of threads. Only microrobots state their errors so far.
+//! Input: a plan, the number of trials, a seed. Output: a report of its kind. Promise: the same seed gives the same
+//! report, whatever the number of threads. Only microrobots state their errors so far.
 
 use crate::plan::Motion;
 use crate::plan::microrobots::{control, simulation};
@@ -13,7 +13,7 @@ pub fn simulate(motion: &Motion, trials: u64, seed: u64, threads: usize) -> Opti
     simulate_disturbed(motion, Disturbances::default(), trials, seed, threads)
 }
 
-/// The same under disturbances.
+/// The same as `simulate`, under disturbances.
 pub fn simulate_disturbed(
     motion: &Motion,
     disturbances: Disturbances,

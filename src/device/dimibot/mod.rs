@@ -1,8 +1,8 @@
 //! The DiMiBot: a planar microrobot whose bistable modules add up binary displacements.
 //!
 //! Facts, kinematics and vocabulary of the kind. Source of the model: Chalvet, Haddab, Lutz, *Trajectory planning for
-//! micromanipulation with a nonredundant digital microrobot*, J. Mechanisms and Robotics 8(2), 2016, with errors of that
-//! text corrected where the doc comments say so.
+//! micromanipulation with a nonredundant digital microrobot*, J. Mechanisms and Robotics 8(2), 2016. Doc comments say
+//! where an error of that text is corrected.
 
 use crate::geometry::PlaneAxis;
 use crate::geometry::fault::{Fault, through};
@@ -16,15 +16,16 @@ pub use words::{DimibotMethod, DimibotObjective, DimibotOutcome, DimibotVerb, PL
 
 pub use super::MAX_REACH_UM;
 
-/// The most modules that one side may have: a word has a digit for each.
+/// Most modules on one side: a word has a digit for each module of both sides.
 pub const MAX_MODULES: u32 = super::MAX_WORD_DIGITS / 2;
 
 /// Greatest number of places in one `visit`.
 pub const MAX_VISITS: usize = 64;
 
-/// The state of all modules of one side each: bit i of `x` is module `bl<i>`, bit j of `y` is module `br<j>`.
+/// The states of all modules: bit i of `x` is module `bl<i>`, bit j of `y` is module `br<j>`.
 ///
-/// Read as numbers they are the place on the lattice, counted from word 0 along the axes of the paper's frame R1.
+/// Read as numbers, `x` and `y` are the position on the lattice, counted from word 0 along the axes of the paper's
+/// frame R1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]
 pub struct LatticeCell {
     pub x: u32,
@@ -37,14 +38,14 @@ impl LatticeCell {
         LatticeCell { x, y }
     }
 
-    /// Its two numbers.
+    /// Its two indices.
     pub const fn pair(self) -> [u32; 2] {
         [self.x, self.y]
     }
 
     /// The cell after one module has switched.
     pub const fn after(self, flip: Flip) -> Self {
-        // A module that no robot has moves nothing.
+        // A module that no robot has changes nothing.
         let bit = if (flip.module as u32) < MAX_MODULES { 1 << flip.module } else { 0 };
         match flip.side {
             Side::Left => LatticeCell::new(self.x ^ bit, self.y),
@@ -53,16 +54,16 @@ impl LatticeCell {
     }
 }
 
-/// One module switches.
+/// The switching of one module.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Flip {
     pub side: Side,
-    /// Counted from 0 on its side; module i moves the end-effector by 2^i cells.
+    /// Index on its side, from 0; module i moves the end-effector by 2^i cells.
     pub module: u8,
 }
 
 impl Flip {
-    /// The module of a mask with one bit.
+    /// The switching of the module whose bit is set in a one-bit mask.
     pub const fn of_bit(side: Side, bit: u32) -> Self {
         Flip { side, module: bit.trailing_zeros() as u8 }
     }
@@ -74,7 +75,7 @@ impl std::fmt::Display for LatticeCell {
     }
 }
 
-/// Which of the two sides a module stands on.
+/// The side of the robot that a module is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Side {
@@ -85,7 +86,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both sides, in the order of coordinates.
+    /// Both sides, in coordinate order.
     pub const BOTH: [Side; 2] = [Side::Left, Side::Right];
 
     /// 0 for left, 1 for right: the index of the side's coordinate.
@@ -96,7 +97,7 @@ impl Side {
         }
     }
 
-    /// The direction in which its modules move the end-effector.
+    /// The axis along which its modules move the end-effector.
     pub const fn axis(self) -> PlaneAxis {
         match self {
             Side::Left => PlaneAxis::X,
@@ -127,18 +128,18 @@ pub struct DimibotFacts {
     pub pulse_voltage_v: f64,
     pub pulse_current_a: f64,
     pub pulse_duration_ns: u64,
-    /// Time after each pulse in which no module is switched.
+    /// Time after each pulse during which no module may be switched.
     pub rest_ns: u64,
-    /// Greatest distance of the end-effector from its nominal place, in micrometres.
+    /// Greatest distance of the end-effector from its nominal position, in micrometres.
     pub repeatability_um: f64,
-    /// Radius of the tip that goes down to the working plane.
+    /// Radius of the tip that reaches down to the working plane.
     pub tip_radius_um: f64,
     pub home: LatticeCell,
     pub simultaneous: Simultaneous,
 }
 
 impl DimibotFacts {
-    /// Modules of one side.
+    /// Number of modules on one side.
     pub fn modules(&self, side: Side) -> u32 {
         match side {
             Side::Left => self.left,
@@ -152,23 +153,23 @@ impl DimibotFacts {
         through(Fault::Pitch, widest_um / 2f64.whole_power(self.modules(side) as i32 - 1))
     }
 
-    /// Cells along the axis of a side: 2^n.
+    /// Number of cells along the axis of a side: 2^n.
     pub fn cells(&self, side: Side) -> u32 {
         1 << self.modules(side)
     }
 
-    /// Nominal place of the end-effector in a cell, in the frame R1 from word 0.
+    /// Nominal position of the end-effector in a cell, in the frame R1 from word 0.
     pub fn place_um(&self, cell: LatticeCell) -> [f64; 2] {
         [f64::from(cell.x) * self.pitch_um(Side::Left), f64::from(cell.y) * self.pitch_um(Side::Right)]
     }
 
-    /// The cell nearest to a place, whether or not it exists: the inverse kinematics of equations 3 and 8, which leave the
-    /// test of the range to the reader. The numbers are whole.
+    /// Indices of the cell nearest to a position, as whole numbers, not limited to the workspace: the inverse
+    /// kinematics of equations 3 and 8, which leave the range test to the reader.
     pub fn nearest_indices(&self, place_um: [f64; 2]) -> [f64; 2] {
         [(place_um[0] / self.pitch_um(Side::Left)).round(), (place_um[1] / self.pitch_um(Side::Right)).round()]
     }
 
-    /// The cell nearest to a place, if it is in the workspace.
+    /// The cell nearest to a position; `None` outside of the workspace.
     pub fn nearest_cell(&self, place_um: [f64; 2]) -> Option<LatticeCell> {
         let [x, y] = self.nearest_indices(place_um);
         let inside =
@@ -176,12 +177,12 @@ impl DimibotFacts {
         inside.then_some(LatticeCell { x: x as u32, y: y as u32 })
     }
 
-    /// The nearest cell that exists, for any finite place.
+    /// The cell of the workspace nearest to any finite position.
     pub fn clamped_cell(&self, place_um: [f64; 2]) -> LatticeCell {
         self.clamped_cell_of(self.nearest_indices(place_um))
     }
 
-    /// The cell that exists nearest to two indices.
+    /// The cell of the workspace nearest to two indices.
     pub fn clamped_cell_of(&self, [x, y]: [f64; 2]) -> LatticeCell {
         let clamp = |value: f64, side| value.clamp(0.0, f64::from(self.cells(side) - 1)) as u32;
         LatticeCell { x: clamp(x, Side::Left), y: clamp(y, Side::Right) }
@@ -202,11 +203,11 @@ impl DimibotFacts {
         format!("0b{:0left$b}_{:0right$b}", cell.x, cell.y, left = self.left as usize, right = self.right as usize)
     }
 
-    /// Displacement of the end-effector in the robot's own frame R0, in micrometres: equation 7 of the paper, and equation 1 where
-    /// both sides have as many modules.
+    /// Displacement of the end-effector in the robot's own frame R0, in micrometres: equation 7 of the paper, or
+    /// equation 1 if both sides have the same number of modules.
     ///
-    /// A module at depth d below the top one moves the end-effector by K·Δ/2^d along each axis of R0; a right module moves
-    /// it the other way along x.
+    /// A module at depth d below the top one moves the end-effector by K·Δ/2^d along each axis of R0; a right module
+    /// moves it in the opposite direction along x.
     pub fn displacement_um(&self, cell: LatticeCell) -> Vector2<f64> {
         let (left, right) = (self.left as usize, self.right as usize);
         let depth = |column: usize| if column < left { column } else { column - left };
@@ -227,7 +228,8 @@ impl DimibotFacts {
         Rotation2::new(-std::f64::consts::FRAC_PI_4)
     }
 
-    /// The names of all channels, without the device's: the left side from the top module down, then the right side.
+    /// The names of all channels, without the device's name: the left side from the top module down, then the right
+    /// side.
     pub fn channels(&self) -> Vec<String> {
         let modules = |side| (0..self.modules(side)).rev().map(move |module| (side, module));
         let both = modules(Side::Left).chain(modules(Side::Right));
@@ -242,7 +244,7 @@ impl DimibotFacts {
         self.pulse_voltage_v * self.pulse_current_a * self.pulse_duration_ns as f64 / 1e9
     }
 
-    /// Growth of obstacles: tip radius plus repeatability.
+    /// Distance by which obstacles are grown: tip radius plus repeatability.
     pub fn growth_um(&self) -> f64 {
         through(Fault::Growth, self.tip_radius_um + self.repeatability_um)
     }
@@ -261,7 +263,7 @@ impl DimibotFacts {
     }
 }
 
-/// Direction of an actuator; each module has one thermal actuator for each direction.
+/// Switching direction; each module has one thermal actuator for each direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Switch {
     /// To state 1.

@@ -1,6 +1,6 @@
 use super::*;
 
-/// The published robot with its published figures, tip and rest idealised.
+/// The published robot with its published figures; tip and rest are idealised.
 pub fn femto_st(left: u32, right: u32) -> DimibotFacts {
     DimibotFacts {
         left,

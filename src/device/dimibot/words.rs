@@ -20,7 +20,7 @@ words! {
 }
 
 words! {
-    /// A figure of a plan.
+    /// An outcome of a plan.
     pub enum DimibotOutcome {
         Distance = "distance": "the path length of the end-effector",
         Switches = "switches": "the number of module switchings",
@@ -30,7 +30,7 @@ words! {
 }
 
 words! {
-    /// How a plan is searched.
+    /// Search method.
     pub enum DimibotMethod {
         StagedAstar = "staged_astar": "Tweeze's own: a greedy walk; where it is blocked, A* with the exact distance of the free lattice, then A* led by distances between blocks of cells",
         Dijkstra = "dijkstra": "the paper's section 4.2",
@@ -49,7 +49,7 @@ words! {
 }
 
 impl DimibotObjective {
-    /// The figure of a plan that it brings down.
+    /// The outcome that it minimises.
     pub fn outcome(self) -> DimibotOutcome {
         match self {
             DimibotObjective::Distance => DimibotOutcome::Distance,
@@ -59,7 +59,7 @@ impl DimibotObjective {
         }
     }
 
-    /// The unit of its cost in schedules and reports; a count has none.
+    /// Unit of its cost in schedules and reports; empty for a count.
     pub fn unit(self) -> &'static str {
         match self {
             DimibotObjective::Distance => "um",
@@ -69,7 +69,7 @@ impl DimibotObjective {
         }
     }
 
-    /// Number of its units in one SI unit.
+    /// Number of these units in one SI unit.
     pub fn units_per_si(self) -> f64 {
         match self {
             DimibotObjective::Distance => 1e6,
@@ -80,7 +80,7 @@ impl DimibotObjective {
 }
 
 impl DimibotOutcome {
-    /// The objective that minimises the figure.
+    /// The objective that minimises the outcome.
     pub fn objective(self) -> DimibotObjective {
         match self {
             DimibotOutcome::Distance => DimibotObjective::Distance,
@@ -181,7 +181,7 @@ const VERBS: &[Verb] = &[
 const BUDGET: [VocabularyField; 1] =
     [expansions(20_000_000, "number of states the search may expand before it gives up")];
 
-/// The names of the planners, as `using` takes them and reports show them.
+/// The planners, by the names that `using` takes and reports show.
 pub const PLANNERS: &[Planner] = &[
     planner(DimibotMethod::StagedAstar.choice(), &BUDGET),
     planner(DimibotMethod::Dijkstra.choice(), &BUDGET),
@@ -190,7 +190,7 @@ pub const PLANNERS: &[Planner] = &[
     planner(DimibotMethod::HypercubeAstar.choice(), &BUDGET),
 ];
 
-/// The words of the kind.
+/// The vocabulary of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
     name: "dimibot",
     summary: "a planar microrobot of bistable modules that switch one by one",

@@ -26,7 +26,7 @@ pub fn microparts(columns: u32, rows: u32) -> ElectrodeArrayFacts {
     }
 }
 
-/// A board for droplets, which are held.
+/// A board for droplets, with held electrodes.
 pub fn droplets(columns: u32, rows: u32) -> ElectrodeArrayFacts {
     ElectrodeArrayFacts {
         layout: Layout { electrodes: Electrodes::Single, half_width_pitches: 0.5 },

@@ -1,8 +1,9 @@
-//! The electrode array: a board of electrodes that carries many parts at once, each pulled by the electrodes before it.
+//! The electrode array: a board of electrodes that moves many parts at once, each pulled by the electrodes ahead of
+//! it.
 //!
 //! Facts, geometry and vocabulary of the kind. Source of the model: Kritikou, Lamprianidis, Aspragathos, *A modified
 //! cooperative A\* algorithm for the simultaneous motion of multiple microparts on a "Smart Platform" with electrostatic fields*,
-//! Micromachines 9, 2018, with the rule of distance corrected where its tables contradict one another (see the standard
+//! Micromachines 9, 2018. Its separation rule is corrected where its tables contradict one another (see the standard
 //! library's file).
 
 use crate::quantity::fraction;
@@ -28,10 +29,10 @@ pub const MAX_SIDE: u32 = 1_000;
 /// Greatest number of parts in one scene.
 pub const MAX_PARTS: usize = 1_000;
 
-/// Most parts that share their goals in one step.
+/// Most parts that share a set of goals in one step.
 pub const MAX_TEAM: usize = 400;
 
-/// Most places of which the plan chooses that of an operation.
+/// Most candidate places of one operation, of which the plan chooses one.
 pub const MAX_PLACES: usize = 16;
 
 /// Greatest number of obstacles in one scene.
@@ -40,22 +41,22 @@ pub const MAX_OBSTACLES: usize = 100_000;
 /// Greatest number of zones of one sort in one scene.
 pub const MAX_ZONES: usize = 1_000;
 
-/// Greatest configurable distance of parts from each other or from obstacles, in electrodes.
+/// Greatest separation of parts, and clearance from obstacles, that a program may ask for, in electrodes.
 pub const MAX_APART: u32 = 100;
 
-/// Columns and rows of the loop round which a droplet is moved to mix it, where the device says nothing.
+/// Default columns and rows of the mixing loop.
 pub const DEFAULT_MIXER: [u32; 2] = [2, 2];
 
-/// Columns between the two droplets that come out of one: the electrodes on both sides of it pull, its own is off.
+/// Columns between the two droplets after a split: the electrodes on both sides of the droplet pull, its own is off.
 pub const SPLIT_APART: u32 = 2;
 
-/// Most steps of the board for which the operations of one assay stay, all together, on any board, and on one that holds few droplets.
+/// Lower and upper bound of `most_stay_steps`: the limit on a crowded board, and on one with few droplets.
 pub const MAX_STAY_STEPS: [u64; 2] = [100_000, 1_000_000];
 
-/// Most steps of all droplets together in between: what a schedule says of each droplet in each step.
+/// Most droplet-steps during the stays of one assay: a schedule records each droplet in each step.
 const MAX_DROPLET_STEPS: u64 = 100_000_000;
 
-/// An electrode, and so a place for the centre of a part: column and row, both from 1, rows upward.
+/// An electrode, and so a position of a part's centre: column and row, both from 1, rows upward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct ElectrodeCell {
     pub column: u32,
@@ -68,7 +69,7 @@ impl ElectrodeCell {
         ElectrodeCell { column, row }
     }
 
-    /// Its two numbers.
+    /// Column and row.
     pub const fn pair(self) -> [u32; 2] {
         [self.column, self.row]
     }
@@ -79,7 +80,7 @@ impl ElectrodeCell {
         if columns > rows { columns } else { rows }
     }
 
-    /// Manhattan distance: the steps from one to the other without obstacles.
+    /// Manhattan distance: the number of steps between two cells without obstacles.
     pub const fn steps_to(self, other: ElectrodeCell) -> u32 {
         self.column.abs_diff(other.column) + self.row.abs_diff(other.row)
     }
@@ -91,17 +92,18 @@ impl std::fmt::Display for ElectrodeCell {
     }
 }
 
-/// Distance that the centres of two parts must keep.
+/// Separation that the centres of two parts must keep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Separation {
-    /// This Chebyshev distance, in electrodes, between the starts and ends of a step in all four combinations.
+    /// This Chebyshev distance, in electrodes, between each part's start and end of a step and the other's: all four
+    /// combinations.
     Apart(u32),
-    /// Table 3 of the paper as it is printed, for reproduction; some of its entries let parts collide.
+    /// Table 3 of the paper as printed, for reproduction; some of its entries let parts collide.
     AsPublished,
 }
 
-/// The separation that the verifier requires where a plan follows the paper's Table 3.
+/// The separation that the verifier requires if a plan follows the paper's Table 3.
 pub const PUBLISHED_SEPARATION: u32 = 4;
 
 impl Separation {
@@ -114,7 +116,7 @@ impl Separation {
     }
 }
 
-/// Where the electrodes of a part are.
+/// Arrangement of the electrodes of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Electrodes {
@@ -133,7 +135,7 @@ impl Electrodes {
         }
     }
 
-    /// Number of columns and rows at the rim of the board that no centre can take.
+    /// Number of columns or rows at each edge of the board that no centre can occupy.
     pub const fn rim(self) -> u32 {
         match self {
             Electrodes::Single => 0,
@@ -141,8 +143,9 @@ impl Electrodes {
         }
     }
 
-    /// The least separation at which the electrodes that move one part do not pull another: an electrode attracts anything within one pitch
-    /// of it, diagonals included, so the outermost electrodes of two parts must stay two pitches apart.
+    /// The least separation at which the electrodes that move one part do not pull another: an electrode attracts
+    /// anything within one pitch of it, diagonals included, so the outermost electrodes of two parts must stay two
+    /// pitches apart.
     pub const fn least_apart(self) -> u32 {
         2 * self.rim() + 2
     }
@@ -152,11 +155,11 @@ impl Electrodes {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
     pub electrodes: Electrodes,
-    /// From the centre to the rim of the body along a column or a row, in pitches of the board.
+    /// From the centre to the edge of the body along a column or a row, in pitches of the board.
     pub half_width_pitches: f64,
 }
 
-/// Whether the electrodes of a resting part are kept on.
+/// Whether the electrodes under a resting part are kept on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Hold {
@@ -176,24 +179,25 @@ pub struct ElectrodeArrayFacts {
     pub radius_um: f64,
     /// Gap between the rims of two neighbouring electrodes over their radius: the paper's d1.
     pub pitch_ratio: f64,
-    /// On an electrode that is on.
+    /// Potential of an electrode that is on.
     pub potential_v: f64,
-    /// One move to a neighbouring cell, settling included.
+    /// Duration of one move to a neighbouring cell, settling included.
     pub step_ns: u64,
     pub layout: Layout,
     pub hold: Hold,
-    /// Time in which a reservoir dispenses one droplet; `None` where no reservoirs are known.
+    /// Time in which a reservoir dispenses one droplet; `None` if the device does not state it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dispense_ns: Option<u64>,
-    /// Columns and rows of the loop round which a droplet is moved to mix it, each at least 2.
+    /// Columns and rows of the mixing loop, each at least 2.
     #[serde(default = "default_mixer", skip_serializing_if = "is_default_mixer")]
     pub mixer: [u32; 2],
-    /// The least and the greatest volume of a droplet that can be moved, in droplets as they are dispensed; `None` where none is known.
+    /// Least and greatest volume of a droplet that can be moved, in units of a dispensed droplet; `None` if not
+    /// known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_volume: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub most_volume: Option<f64>,
-    /// The lowest and the highest temperature of its heaters; `None` where none is known.
+    /// Lowest and highest temperature of its heaters; `None` if not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_temperature_k: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -201,10 +205,10 @@ pub struct ElectrodeArrayFacts {
     pub separation: Separation,
     /// The least Chebyshev distance from a part's centre to an electrode that an obstacle covers, in electrodes; at least 1.
     pub clearance: u32,
-    /// `None` where every place has an electrode that works and needs no number.
+    /// `None` if every place has a working electrode that needs no channel number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<Arc<ElectrodeMap>>,
-    /// `None` where it is not known how reservoirs make droplets.
+    /// `None` if it is not known how the reservoirs dispense.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reservoirs: Option<Arc<ReservoirPads>>,
 }
@@ -223,7 +227,7 @@ impl ElectrodeArrayFacts {
         (2.0 + self.pitch_ratio) * self.radius_um
     }
 
-    /// Whether the board has such a place; it may be one without an electrode.
+    /// Whether the place is on the board; it may lack an electrode.
     pub fn holds(&self, cell: ElectrodeCell) -> bool {
         (1..=self.columns).contains(&cell.column) && (1..=self.rows).contains(&cell.row)
     }
@@ -238,8 +242,8 @@ impl ElectrodeArrayFacts {
         self.map.as_ref().is_some_and(|map| map.has_electrode(cell) && !map.works(cell))
     }
 
-    /// Whether a part's centre can be there: inside the rim that its electrodes need and, for a droplet, over an electrode that works.
-    /// Boards of microparts have all their electrodes.
+    /// Whether a part's centre can be there: inside the rim that its electrodes need and, for a droplet, over a
+    /// working electrode. Boards of microparts have all their electrodes.
     pub fn reaches(&self, cell: ElectrodeCell) -> bool {
         let rim = self.layout.electrodes.rim();
         self.holds(cell)
@@ -248,7 +252,7 @@ impl ElectrodeArrayFacts {
             && (1 + rim..=self.rows.saturating_sub(rim)).contains(&cell.row)
     }
 
-    /// The first and the last cell that a part's centre can take, if there is one.
+    /// The first and the last cell that a part's centre can occupy, if there is any.
     pub fn reach(&self) -> Option<[ElectrodeCell; 2]> {
         let rim = self.layout.electrodes.rim();
         let first = ElectrodeCell::new(1 + rim, 1 + rim);
@@ -256,8 +260,8 @@ impl ElectrodeArrayFacts {
         (first.column <= last.column && first.row <= last.row).then_some([first, last])
     }
 
-    /// The loop round which a droplet is moved to mix it, from its corner with the least column and row: along the row first, then
-    /// upward, and back. Cells may lie off the board.
+    /// The mixing loop whose corner with the least column and row is `corner`: along the row first, then upward, and
+    /// back. Cells may lie off the board.
     pub fn mixing_loop(&self, corner: ElectrodeCell) -> Vec<ElectrodeCell> {
         let [columns, rows] = self.mixer.map(|side| side - 1);
         let ElectrodeCell { column, row } = corner;
@@ -268,13 +272,14 @@ impl ElectrodeArrayFacts {
         east.chain(north).chain(west).chain(south).collect()
     }
 
-    /// The steps for which a droplet is moved round the loop to mix it for at least a time: whole rounds, since it ends where it begins.
+    /// Steps of mixing for at least a time: whole rounds of the loop, since the droplet must end where it began.
     pub fn mixing_steps(&self, time_ns: u64) -> u64 {
         let round = u64::from(2 * (self.mixer[0] + self.mixer[1]) - 4);
         time_ns.div_ceil(self.step_ns).div_ceil(round).saturating_mul(round)
     }
 
-    /// Most steps for which the operations of one assay stay, all together: fewer the more of some parts find room on the board at once.
+    /// Limit on the steps of all stays of one assay together; the more of `parts` parts fit on the board at once, the
+    /// lower it is.
     pub fn most_stay_steps(&self, parts: usize) -> u64 {
         let apart = self.separation.apart().max(1);
         let room = u64::from(self.columns.div_ceil(apart)) * u64::from(self.rows.div_ceil(apart));
@@ -282,33 +287,35 @@ impl ElectrodeArrayFacts {
         (MAX_DROPLET_STEPS / room.min(parts as u64).max(1)).clamp(least, most)
     }
 
-    /// The channel of an electrode that shares it with none, without the device's name; a shared one has the name of the first of its
-    /// electrodes.
+    /// The name of an electrode's channel, without the device's name. A shared channel is named after its first
+    /// electrode.
     pub fn channel(cell: ElectrodeCell) -> String {
         format!("e{}_{}", cell.column, cell.row)
     }
 
-    /// The electrodes that are on with one, itself among them, row by row from row 1.
+    /// The electrodes that share a channel with one, itself included, row by row from row 1.
     pub fn on_with(&self, cell: ElectrodeCell) -> Vec<ElectrodeCell> {
         self.map.as_ref().map_or_else(|| vec![cell], |map| map.on_channel_of(cell))
     }
 
-    /// Those of them that work.
+    /// The working electrodes that share a channel with one, itself included.
     pub fn lit_with(&self, cell: ElectrodeCell) -> Vec<ElectrodeCell> {
         self.on_with(cell).into_iter().filter(|cell| !self.is_disabled(*cell)).collect()
     }
 
-    /// The first of the electrodes that are on with one, row by row from row 1: the one that gives their channel its name.
+    /// The first of the electrodes that share a channel with one, row by row from row 1; it gives the channel its
+    /// name.
     pub fn first_on_with(&self, cell: ElectrodeCell) -> ElectrodeCell {
         self.map.as_ref().map_or(cell, |map| map.first_on_channel_of(cell))
     }
 
-    /// The name of a pad's channel, without the device's.
+    /// The name of a pad's channel, without the device's name.
     pub fn pad_channel(pad: u32) -> String {
         format!("pad{pad}")
     }
 
-    /// The pad of a channel's name, without the device's; `None` if no reservoir of the board has one of that name.
+    /// The pad whose channel has this name, without the device's name; `None` if no reservoir of the board has such a
+    /// pad.
     pub fn pad(&self, channel: &str) -> Option<u32> {
         let pad: u32 = channel.strip_prefix("pad")?.parse().ok()?;
         let is_own =
@@ -316,19 +323,20 @@ impl ElectrodeArrayFacts {
         is_own.then_some(pad)
     }
 
-    /// Time in which the reservoir at an outlet makes a droplet; `None` where that is not known.
+    /// Time in which the reservoir at an outlet dispenses a droplet; `None` if not known.
     pub fn dispense_ns_at(&self, outlet: ElectrodeCell) -> Option<u64> {
         let own = self.reservoirs.as_ref().and_then(|pads| Some(pads.duration_ns(pads.at(outlet)?)));
         own.or(self.dispense_ns)
     }
 
-    /// The electrode of a channel's name, without the device's, the first one of a shared channel; `None` if the board has none of that name.
+    /// The electrode that gives a channel its name, by that name without the device's; `None` if the board has no
+    /// such channel.
     pub fn electrode(&self, channel: &str) -> Option<ElectrodeCell> {
         let cell = self.named_electrode(channel)?;
         (self.first_on_with(cell) == cell).then_some(cell)
     }
 
-    /// The electrode that a name is made of, whether it gives its channel the name or not.
+    /// The electrode with this name, whether or not a channel is named after it.
     pub fn named_electrode(&self, channel: &str) -> Option<ElectrodeCell> {
         let (column, row) = channel.strip_prefix('e')?.split_once('_')?;
         let cell = ElectrodeCell::new(column.parse().ok()?, row.parse().ok()?);

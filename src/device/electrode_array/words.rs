@@ -19,7 +19,7 @@ words! {
 }
 
 words! {
-    /// A figure of a plan.
+    /// An outcome of a plan.
     pub enum ElectrodeArrayOutcome {
         Steps = "steps": "steps of the board until the last arrival",
         SumOfCosts = "sum_of_costs": "the steps until each part's last arrival, added up over all parts",
@@ -29,7 +29,7 @@ words! {
 }
 
 words! {
-    /// How a plan is searched.
+    /// Search method.
     pub enum ElectrodeArrayMethod {
         Portfolio = "portfolio": "Tweeze's own: prioritised search in space and time and repair for a first plan, search in large neighbourhoods for better ones, conflict-based search for the proof",
         CooperativeAstar = "cooperative_astar": "the paper's algorithm 1 with its heuristic of equation 12: greedy, and may miss a plan",
@@ -38,7 +38,7 @@ words! {
 }
 
 words! {
-    /// What lies under or over some electrodes of a board, by its noun.
+    /// Sort of zone: what is under or over some electrodes of a board.
     pub enum ZoneSort {
         Heater = "heater": "electrodes that a heater keeps at one temperature; `at` or a shape of `cells` gives them",
         Detector = "detector": "electrodes under a reader, which reads one part at a time; `at` or a shape of `cells` gives them",
@@ -47,7 +47,7 @@ words! {
 }
 
 impl ZoneSort {
-    /// The step that stays there.
+    /// The operation that takes place in a zone of this sort.
     pub const fn verb(self) -> ElectrodeArrayVerb {
         match self {
             ZoneSort::Heater => ElectrodeArrayVerb::Heat,
@@ -62,7 +62,7 @@ impl ZoneSort {
 }
 
 impl ElectrodeArrayObjective {
-    /// The figure of a plan that it brings down.
+    /// The outcome that it minimises.
     pub fn outcome(self) -> ElectrodeArrayOutcome {
         match self {
             ElectrodeArrayObjective::Makespan => ElectrodeArrayOutcome::Steps,
@@ -72,8 +72,8 @@ impl ElectrodeArrayObjective {
 }
 
 impl ElectrodeArrayOutcome {
-    /// The objective that minimises the figure. A plan with the least sum of costs may have more moves than another one: a
-    /// step in which a part rests counts as much as one in which it moves.
+    /// The objective that minimises the outcome, if there is one. Moves have none: a plan with the least sum of costs
+    /// may have more moves than another, as a step in which a part rests counts as much as one in which it moves.
     pub fn objective(self) -> Option<ElectrodeArrayObjective> {
         match self {
             ElectrodeArrayOutcome::Steps | ElectrodeArrayOutcome::Time => Some(ElectrodeArrayObjective::Makespan),
@@ -239,35 +239,35 @@ const SETTINGS: &[VocabularyField] = &[VocabularyField {
     doc: "whether parts without a goal may step aside, and come back",
 }];
 
-/// The word before a name that stands for all parts with an index after it.
+/// The word before a name that stands for all parts of that name with an index.
 pub const ANY: &str = "any";
 
-/// Once another part has done all that it does above.
+/// Begins once another part has done all that is written above for it.
 const AFTER: VocabularyPhrase =
     VocabularyPhrase { preposition: "after", sort: Sort::Object("part"), count: Count::AnyNumber };
 
-/// The longest time from the end of what it comes after until it begins.
+/// Longest time between the end of what the operation comes after and its own begin.
 const WITHIN: VocabularyPhrase =
     VocabularyPhrase { preposition: "within", sort: positive(Dimension::TIME), count: Count::AtMostOnce };
 
-/// At a cell,
+/// At a cell; excluded by `among`.
 const AT: VocabularyPhrase =
     VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::OnceUnless("among") };
 
-/// or at the one of several that the plan chooses.
+/// At one of several cells; the plan chooses which.
 const AMONG: VocabularyPhrase = VocabularyPhrase { preposition: "among", sort: Sort::Cells, count: Count::AtMostOnce };
 
-/// In a zone of a sort,
+/// In a zone of a sort; excluded by `among`.
 const fn at_site(sort: ZoneSort) -> VocabularyPhrase {
     VocabularyPhrase { preposition: "at", sort: Sort::Site(sort.name()), count: Count::OnceUnless("among") }
 }
 
-/// or in the one of several that the plan chooses.
+/// In one of several zones; the plan chooses which.
 const fn among_sites(sort: ZoneSort) -> VocabularyPhrase {
     VocabularyPhrase { preposition: "among", sort: Sort::Sites(sort.name()), count: Count::AtMostOnce }
 }
 
-/// Where the part is, or at a cell, for at least so long.
+/// Where the part is, or at a cell, for at least a time.
 const FOR_A_TIME: [VocabularyPhrase; 5] = [
     VocabularyPhrase { preposition: "at", sort: Sort::Cell, count: Count::AtMostOnce },
     AMONG,
@@ -276,7 +276,7 @@ const FOR_A_TIME: [VocabularyPhrase; 5] = [
     WITHIN,
 ];
 
-/// In a zone for at least so long, without more to say.
+/// In a zone for at least a time.
 const IN_DETECTOR: [VocabularyPhrase; 5] = [
     at_site(ZoneSort::Detector),
     among_sites(ZoneSort::Detector),
@@ -309,7 +309,7 @@ words! {
 }
 
 impl ElectrodeArrayVerb {
-    /// Whether it does something to a droplet besides carrying it: steps of such verbs are planned as an assay.
+    /// Whether it does anything to a droplet besides moving it: steps of such verbs are planned as an assay.
     pub fn is_operation(self) -> bool {
         match self {
             ElectrodeArrayVerb::Move | ElectrodeArrayVerb::Merge => false,
@@ -324,7 +324,7 @@ impl ElectrodeArrayVerb {
         }
     }
 
-    /// The sort of place at which a step of it stays.
+    /// The sort of zone in which the operation takes place.
     pub fn zone(self) -> Option<ZoneSort> {
         ZoneSort::ALL.iter().copied().find(|sort| sort.verb() == self)
     }
@@ -474,7 +474,7 @@ const OUTCOMES: &[Outcome] = &[
 ];
 
 words! {
-    /// A thing of a board's scene that is no zone.
+    /// A noun of a board's scene that is not a zone.
     pub enum BoardNoun {
         Obstacle = "obstacle": "electrodes that no part may come near: a block, one cell, or a part that is stuck",
         Part = "part": "a part that the electrodes carry; without `at` a droplet that a reservoir dispenses",
@@ -482,7 +482,7 @@ words! {
     }
 }
 
-/// The words of the kind.
+/// The vocabulary of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
     name: "electrode_array",
     summary: "a board of electrodes that carries many parts or droplets at once",

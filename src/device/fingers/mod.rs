@@ -1,8 +1,9 @@
-//! Fingers on translation stages that hold a micro-object between their tips and turn it: a hand.
+//! A hand: fingers on translation stages that hold a micro-object between their tips and turn it.
 //!
-//! Facts, frames and vocabulary of the kind. Tips are spheres that translate and never turn; the object rolls on them. Source of the
-//! model: Kumar, Gauthier, Dahmouche, *Path planning for 3-D in-hand manipulation of micro-objects using rotation decomposition*,
-//! Micromachines 12(8), 986, 2021, with errors of that text corrected where the doc comments say so.
+//! Facts, frames and vocabulary of the kind. Tips are spheres that translate and never turn; the object rolls on
+//! them. Source of the model: Kumar, Gauthier, Dahmouche, *Path planning for 3-D in-hand manipulation of
+//! micro-objects using rotation decomposition*, Micromachines 12(8), 986, 2021. Doc comments say where an error of
+//! that text is corrected.
 
 pub use super::shape::Plane;
 use crate::geometry::fault::{Fault, through};
@@ -16,45 +17,46 @@ mod words;
 
 pub use words::{FingersObjective, FingersOutcome, FingersPlanner, FingersVerb, HandNoun, TurnAxis, VOCABULARY};
 
-/// The fewest fingers that can hand an object over.
+/// Fewest fingers with which a hand can regrasp an object.
 pub const MIN_FINGERS: u32 = 3;
 
 /// Greatest number of fingers of one hand.
 pub const MAX_FINGERS: u32 = 6;
 
-/// Greatest number of fingers that hold at the same time.
+/// Greatest number of fingers that hold the object at the same time.
 pub const MAX_HOLDING: usize = 3;
 
 /// Greatest number of steps in one turn: 1 deg each.
 pub const MAX_STEPS_PER_TURN: u32 = 360;
 
-/// Greatest number of contacts of one section.
+/// Greatest number of contacts on one section.
 pub const MAX_CONTACTS: u32 = 512;
 
-/// The largest share that may be kept back while tips roll.
+/// Largest share of friction, pull-off and greatest force that a plan may keep in reserve while tips roll.
 pub const MAX_RESERVE: f64 = 0.9;
 
-/// Greatest number of grasps of three fingers that the planner considers: those of one section, times the number of angles if a load makes
-/// them differ.
+/// Greatest number of three-finger grasps that the planner considers: those of one section, times the number of
+/// angles if a load makes them differ.
 pub const MAX_GRASPS: usize = 1 << 29;
 
-/// Greatest limit of looks at grasps for planning one task: about a minute, over two in the slowest task measured, and some gigabytes of memory.
+/// Largest budget of grasp evaluations for one task: about a minute, over two in the slowest task measured, and some
+/// gigabytes of memory.
 pub const MAX_LOOKS: u32 = 1_000_000_000;
 
-/// Budget of looks for planning one task where it names none: mostly less than 10 s; 21 s in the slowest of the random tasks that were
-/// measured.
+/// Default budget of grasp evaluations for one task: mostly less than 10 s; 21 s in the slowest of the random tasks
+/// that were measured.
 pub const DEFAULT_LOOKS: u32 = 150_000_000;
 
-/// The axes of a stage, in the order of coordinates.
+/// The axes of a stage, in coordinate order.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Whether tips stick to the object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Adhesion {
-    /// A tip must be pulled off.
+    /// A tip sticks and must be pulled off.
     Sticking,
-    /// Tips only push.
+    /// Tips can only push.
     Absent,
 }
 
@@ -66,38 +68,38 @@ pub struct FingersFacts {
     /// The paper's l2.
     pub tip_radius_um: f64,
     pub adhesion: Adhesion,
-    /// The force in micronewtons that pulls a tip off the object; counts only with [`Adhesion::Sticking`].
+    /// Force that pulls a tip off the object, in micronewtons; applies only with [`Adhesion::Sticking`].
     pub pull_off_un: f64,
-    /// The greatest normal force of one tip, in micronewtons.
+    /// Greatest normal force of one tip, in micronewtons.
     pub max_force_un: f64,
     /// Friction coefficient of a tip on the object, above 0.
     pub friction: f64,
-    /// Number of rotation steps in 360 deg: the nominal step is 360 deg over this.
+    /// Number of rotation steps in 360 deg: the nominal step is 360 deg divided by it.
     pub steps_per_turn: u32,
-    /// κ: the fingers that stay must resist this many times the pull-off force of the one that leaves.
+    /// κ: the fingers that stay must resist κ times the pull-off force of the finger that leaves.
     pub removal_safety: f64,
     /// Cost of placing or removing a finger, in degrees rolled by one finger; whole.
     pub gaiting_cost_deg: f64,
     /// Least distance between two tips, and between a free tip and the object, in micrometres.
     pub clearance_um: f64,
-    /// Distance along the normal, in micrometres, within which a tip approaches and leaves its contact slowly.
+    /// Distance along the normal, in micrometres, within which a tip approaches or leaves its contact slowly.
     pub retract_um: f64,
     /// Speed of a free tip along its path.
     pub speed_um_per_s: f64,
     /// Speed of a tip within `retract_um` of its contact.
     pub approach_um_per_s: f64,
-    /// Greatest speed of a tip that holds.
+    /// Greatest speed of a holding tip.
     pub rolling_um_per_s: f64,
-    /// Force with which its support holds the object before the first grasp and after a release, in micronewtons.
+    /// Force with which the support holds the object before the first grasp and after a release, in micronewtons.
     pub support_un: f64,
-    /// Range of each stage along x, y and z to both sides of the hand's origin.
+    /// Travel of each stage along x, y and z to both sides of the hand's origin.
     pub range_um: [f64; 3],
-    /// Tolerance of contacts in rolling and touching, in micrometres: planned paths keep within half of it.
+    /// Tolerance of contacts while rolling and touching, in micrometres; planned paths keep within half of it.
     pub tolerance_um: f64,
-    /// The torque about its normal that a contact bears, over the force that presses and sticks: the soft finger's coefficient of
-    /// torsional friction.
+    /// The soft finger's coefficient of torsional friction: greatest torque about a contact's normal, divided by the
+    /// force that presses and sticks.
     pub torsion_um: f64,
-    /// The share of friction, pull-off and greatest force that a planned grasp does without while it rolls; 0 to
+    /// The share of friction, pull-off and greatest force that a planned grasp keeps in reserve while it rolls; 0 to
     /// [`MAX_RESERVE`].
     pub rolling_reserve: f64,
 }
@@ -108,7 +110,7 @@ impl FingersFacts {
         through(Fault::Step, TAU / f64::from(self.steps_per_turn))
     }
 
-    /// The force that pulls a tip off, in micronewtons: zero without adhesion.
+    /// Force that pulls a tip off, in micronewtons; zero without adhesion.
     pub fn sticking_un(&self) -> f64 {
         match self.adhesion {
             Adhesion::Sticking => through(Fault::Sticking, self.pull_off_un),
@@ -116,14 +118,15 @@ impl FingersFacts {
         }
     }
 
-    /// Distance from its contact within which a tip is slow: never less than the clearance.
+    /// Distance from its contact within which a tip moves slowly; never less than the clearance.
     pub fn slow_um(&self) -> f64 {
         through(Fault::Slow, self.retract_um.max(self.clearance_um))
     }
 
-    /// The radius of the sphere about the object's origin on which the tip of a finger, counted from 0, waits and travels while it is
-    /// free, for an object that reaches `reach_um`: each finger has its own sphere, clear of the holding tips, the object and the spheres of
-    /// the fingers before it, though chords of it dip by the tolerance.
+    /// Radius of the sphere about the object's origin on which the free tip of a finger, counted from 0, waits and
+    /// travels, for an object that extends to `reach_um`. Each finger has its own sphere, clear of the holding tips,
+    /// of the object and of the spheres of the fingers before it, although chords of the sphere dip below it by the
+    /// tolerance.
     pub fn sphere_um(&self, finger: usize, reach_um: f64) -> f64 {
         let beyond_um = (2.0 * (self.tip_radius_um + self.clearance_um)).max(self.slow_um());
         let apart_um = 2.0 * self.tip_radius_um + self.clearance_um + self.tolerance_um;
@@ -141,7 +144,7 @@ pub fn channel(finger: usize, axis: usize) -> String {
     format!("f{}.{}", finger + 1, AXES[axis])
 }
 
-/// The finger and the axis of a channel, both counted from 0, if the name is one.
+/// The finger and the axis of a channel, both counted from 0; `None` if the name is not that of a channel.
 pub fn finger_axis(channel: &str) -> Option<(usize, usize)> {
     let (finger, axis) = channel.strip_prefix('f')?.split_once('.')?;
     let axis = AXES.iter().position(|name| *name == axis)?;

@@ -18,7 +18,7 @@ words! {
 }
 
 words! {
-    /// A figure of a plan.
+    /// An outcome of a plan.
     pub enum FingersOutcome {
         Effort = "effort": "the turn of every step times the fingers that roll, and the gaiting cost of each finger placed or removed",
         Reconfigurations = "reconfigurations": "fingers placed or removed, without those of the first grasp and of `release`",
@@ -27,7 +27,7 @@ words! {
 }
 
 words! {
-    /// How a plan is searched.
+    /// Search method.
     pub enum FingersPlanner {
         JointAstar = "joint_astar": "all turns of a task searched as one problem by A*, with exact numbers of reconfigurations as its estimate",
         PublishedAstar = "published_astar": "the same problem with the paper's estimate, its index arithmetic put right",
@@ -99,7 +99,7 @@ const FIELDS: &[VocabularyField] = &[
     defaulted(
         "rolling_reserve",
         not_negative(Dimension::NUMBER),
-        // Rolling on chords turns a force by up to a hundredth of the friction cone; this is twice that.
+        // Rolling on chords turns a force by up to 1/100 of the friction cone; this is twice that.
         DefaultFigure::new(2.0, "%"),
         "the share of friction, pull-off and greatest force that planned grasps do without while they roll",
     ),
@@ -121,7 +121,7 @@ const SETTINGS: &[VocabularyField] = &[
 ];
 
 words! {
-    /// The axis of a turn, one of the object's own.
+    /// A rotation axis, fixed to the object.
     pub enum TurnAxis {
         X = "x": "by turns about z and y, as the object has no section across x",
         Y = "y": "in the object's plane xz",
@@ -130,7 +130,7 @@ words! {
 }
 
 impl TurnAxis {
-    /// The plane whose section turns about it, if it has one.
+    /// The plane of the section that turns about this axis, if there is one.
     pub fn plane(self) -> Option<Plane> {
         match self {
             TurnAxis::X => None,
@@ -210,13 +210,13 @@ const OUTCOMES: &[Outcome] = &[
 ];
 
 words! {
-    /// A thing of a hand's scene.
+    /// A noun of a hand's scene.
     pub enum HandNoun {
         Part = "part": "the object that the fingers turn",
     }
 }
 
-/// The words of the kind.
+/// The vocabulary of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
     name: "fingers",
     summary: "fingers on translation stages that roll an object between their tips and change their grasp",

@@ -1,5 +1,5 @@
-//! Auxiliary outputs: what else a bench switches, at the steps of tasks and planned by nobody. A camera's trigger, a light, a heater.
-//! And what the steps of tasks wait for: an input of the bench, or a person.
+//! Auxiliary outputs, such as a camera trigger, a light or a heater: switched by steps of tasks, without planning.
+//! Also the inputs and persons that steps of tasks wait for.
 
 use super::Level;
 use super::words::{DIGITAL, LEVEL, TRIGGER};
@@ -16,7 +16,7 @@ words! {
 }
 
 impl AuxiliarySort {
-    /// The name of its one channel.
+    /// The name of an output's one channel.
     pub const CHANNEL: &'static str = "out";
 
     /// The fields of an output.
@@ -28,7 +28,7 @@ impl AuxiliarySort {
         }
     }
 
-    /// An output to start from.
+    /// An example of a declaration to start from.
     pub fn example(self) -> &'static str {
         match self {
             AuxiliarySort::Trigger => "output camera : trigger { duration: 5 ms }",
@@ -38,31 +38,33 @@ impl AuxiliarySort {
     }
 }
 
-/// The facts of an auxiliary output. Before a schedule, after it, when it is broken off and between what its steps say it is at rest.
+/// Facts of an auxiliary output. It is at rest before and after a schedule, when the schedule is aborted, and
+/// whenever no step sets it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AuxiliaryOutput {
-    /// Of the high level or of 100 %, in volts.
+    /// Voltage of the high level or of 100 %.
     pub high_v: f64,
-    /// Of the low level or of 0 %, in volts.
+    /// Voltage of the low level or of 0 %.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub low_v: f64,
-    /// At rest, in volts: one of the two levels, or between them where it is graded.
+    /// Rest voltage: one of the two levels, or between them if the output is graded.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rest_v: f64,
-    /// Length of a pulse, in nanoseconds; `None` for one that is set to levels.
+    /// Pulse length, in nanoseconds; `None` for an output that is set to levels.
     pub pulse_ns: Option<u64>,
-    /// Whether it takes every voltage between its two levels.
+    /// Whether it takes any voltage between its two levels.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_graded: bool,
 }
 
-/// What a program waits for, and how long.
+/// What a program waits for, and for how long.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HoldTerms {
     pub awaited: Awaited,
-    /// How long the wait is on the clock: its longest, if it is bounded. Above zero, in nanoseconds.
+    /// Duration of the wait on the clock, in nanoseconds, above zero; the longest one if the wait is bounded.
     pub duration_ns: u64,
-    /// Whether the schedule is broken off when that time is over; otherwise it goes on whenever what it waits for has come.
+    /// Whether the schedule is aborted when that time has passed; otherwise it continues as soon as the wait is over,
+    /// however late.
     pub is_bounded: bool,
 }
 
@@ -71,11 +73,12 @@ pub struct HoldTerms {
 #[serde(rename_all = "snake_case")]
 pub enum Awaited {
     Input {
-        /// As it is shown: `card.port0.line5`, or the name that the program gives in quotes.
+        /// Displayed name: `card.port0.line5`, or the name that the program gives in quotes.
         name: String,
-        /// The instrument that reads it, if the program declares it, and its input there: `port0.line5`.
+        /// The instrument that reads the input, if the program declares it, and the input's name there:
+        /// `port0.line5`.
         place: Option<(String, String)>,
-        /// The level that is waited for.
+        /// The awaited level.
         level: Level,
     },
     /// A person who is asked to do something.
@@ -83,7 +86,7 @@ pub enum Awaited {
 }
 
 impl Awaited {
-    /// What is waited for, in words.
+    /// The awaited event, in words.
     pub fn shown(&self) -> String {
         match self {
             Awaited::Input { name, level, .. } => format!("`{name}` to be {}", level.name()),
@@ -92,7 +95,7 @@ impl Awaited {
     }
 }
 
-/// Whether a figure is left out of a text.
+/// Whether a value is zero, for serde to skip it.
 pub fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }

@@ -2,15 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The letters of a machine's axes, three for each finger: of LinuxCNC's nine in the order in which a line's feed is theirs.
+/// The letters of a machine's axes, three for each finger: LinuxCNC's nine, in the order of precedence for a line's
+/// feed.
 pub const AXIS_LETTERS: [char; 9] = ['X', 'Y', 'Z', 'U', 'V', 'W', 'A', 'B', 'C'];
 
 /// A controller that runs G-code.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MachineControllerFacts {
-    /// Axes that it moves: the first of [`AXIS_LETTERS`].
+    /// Number of axes that it moves: the first of [`AXIS_LETTERS`].
     pub axes: u32,
-    /// Servo cycles in a second, in hertz.
+    /// Servo cycles per second.
     pub rate_hz: f64,
 }
 

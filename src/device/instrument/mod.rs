@@ -1,8 +1,9 @@
-//! Instruments: what stands behind a channel, from the computer to the actuator.
+//! Instruments: the hardware behind a channel, from the computer to the actuator.
 //!
-//! A program declares the instruments of its bench, each of one of the families here, and wires channels to their outputs. As with
-//! device kinds, the words are tables: the checker reads them and `tweeze devices` prints them. Facts only; `check` reads
-//! them from a program, `lower` holds a schedule against them, `emit` writes the files that they play.
+//! A program declares the instruments of its bench, each of one of the families here, and wires channels to their
+//! outputs. As with device kinds, the words are tables: the checker reads them and `tweeze devices` prints them.
+//! Facts only; `check` reads them from a program, `lower` checks a schedule against them, `emit` writes the files
+//! that the instruments play.
 
 mod auxiliary;
 mod machine;
@@ -25,13 +26,14 @@ use std::ops::RangeInclusive;
 /// Most outputs of one instrument.
 pub const MAX_OUTPUTS: u32 = 4096;
 
-/// Temperatures to which MicroDrop 1.9 sets the heaters of an OpenDrop, in degrees Celsius; its frames have a byte for each.
+/// Temperatures to which MicroDrop 1.9 sets the heaters of an OpenDrop, in degrees Celsius; a frame has one byte for
+/// each heater.
 pub const DRIVER_HEATER_DEGC: RangeInclusive<u32> = 20..=120;
 
-/// How far a temperature that is written as whole degrees may be off by rounding, in degrees.
+/// Rounding error that is accepted in a temperature written as whole degrees, in degrees.
 const ROUNDING_DEGC: f64 = 1e-6;
 
-/// How a heater of an OpenDrop is set to a temperature, in degrees Celsius; `None` where its frames cannot say it.
+/// Heater setting of an OpenDrop for a temperature, in degrees Celsius; `None` if its frames cannot express it.
 pub fn heater_setting(temperature: Quantity) -> Option<u32> {
     let degrees = temperature.in_unit(CELSIUS);
     DRIVER_HEATER_DEGC.into_iter().find(|whole| (degrees - f64::from(*whole)).abs() < ROUNDING_DEGC)
@@ -49,7 +51,7 @@ words! {
 }
 
 impl Family {
-    /// A published instrument to start from: the file, and its name there.
+    /// A published instrument to start from: its name, and the module that it is in.
     pub fn library(self) -> (&'static str, &'static str) {
         let name = match self {
             Family::WaveformGenerator => "instruments.keysight_33500b",
@@ -72,7 +74,7 @@ impl Family {
         }
     }
 
-    /// The names of its outputs, and what they carry.
+    /// The names of its outputs, and their signals.
     pub fn outputs(self) -> &'static str {
         match self {
             Family::WaveformGenerator => "`ch1`, `ch2`, …: a voltage each",
@@ -85,7 +87,7 @@ impl Family {
         }
     }
 
-    /// What its outputs may drive, with the fields of such a wire.
+    /// The links that its outputs may drive, with the fields of such a wire.
     pub fn links(self) -> &'static [(LinkSort, &'static str)] {
         match self {
             Family::WaveformGenerator => &[AMPLIFIED, PLACED],
@@ -95,7 +97,7 @@ impl Family {
         }
     }
 
-    /// The format that plays it.
+    /// The file format that plays it.
     pub fn format(self) -> &'static str {
         match self {
             Family::WaveformGenerator => "scpi",
@@ -110,7 +112,7 @@ impl Family {
 /// A declared instrument.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Instrument {
-    /// Its base as the program writes it: `instruments.keysight_33500b`.
+    /// The base that the program gives it: `instruments.keysight_33500b`.
     pub model: String,
     pub facts: InstrumentFacts,
 }
@@ -127,7 +129,7 @@ pub enum InstrumentFacts {
 }
 
 words! {
-    /// Level of an output or an input that has two.
+    /// Level of a two-level output or input.
     pub enum Level {
         Low = "low": "at 0 V",
         High = "high": "at the voltage of the output",
@@ -135,7 +137,7 @@ words! {
 }
 
 words! {
-    /// What starts an instrument.
+    /// Start signal of an instrument.
     pub enum Start {
         Sender = "sender": "the program that sends its file",
         Trigger = "trigger": "a pulse at its trigger input, from the instrument that the sender starts, or from your own source",
@@ -143,7 +145,7 @@ words! {
 }
 
 words! {
-    /// How an electrode driver is spoken to.
+    /// Protocol of an electrode driver.
     pub enum Protocol {
         Opendrop = "opendrop": "OpenDrop 4: a frame of 32 bytes over USB, a bit for each of 128 channels",
         Purpledrop = "purpledrop": "PurpleDrop: JSON-RPC calls to its server, with the pins that are on",
@@ -157,10 +159,10 @@ pub struct WaveformGeneratorFacts {
     /// At most [`MAX_OUTPUTS`].
     pub outputs: u32,
     pub voltage: VoltageOutput,
-    /// Points of a waveform: no fewer, and of all waveforms of an output no more.
+    /// Least points of one waveform, and most points of all waveforms of an output together.
     pub least_points: u32,
     pub most_points: u32,
-    /// Most steps of a sequence.
+    /// Most steps in a sequence.
     pub most_steps: u32,
     pub start: Start,
 }
@@ -168,10 +170,10 @@ pub struct WaveformGeneratorFacts {
 /// A card with digital lines and analog outputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DataAcquisitionFacts {
-    /// Digital ports, and the lines of each: at most 32, a word of a port.
+    /// Digital ports, and lines of each port: at most 32, as a port is played as one word.
     pub ports: u32,
     pub lines: u32,
-    /// Greatest number of samples in a second of its digital lines, in hertz; 0 without a sample clock.
+    /// Highest sample rate of its digital lines, in hertz; 0 without a sample clock.
     pub digital_rate_hz: f64,
     pub analog_outputs: u32,
     /// `None` without analog outputs.
@@ -185,22 +187,23 @@ pub struct ElectrodeDriverFacts {
     pub protocol: Protocol,
     /// Channels, numbered from 0: at most [`Protocol::channels`].
     pub channels: u32,
-    /// The voltages that it can be set to.
+    /// Range of voltages that it can be set to.
     pub least_v: f64,
     pub most_v: f64,
     /// Shortest time from one frame to the next, in nanoseconds.
     pub least_frame_ns: u64,
-    /// Frequency of its voltage, in hertz; `None` where it stays as it is set on the driver.
+    /// Frequency of its voltage, in hertz; `None` if the driver keeps its own setting.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frequency_hz: Option<f64>,
-    /// Its heaters that the bench uses, by their numbers from 1: the temperature of each while its output is on, in degrees Celsius.
+    /// The heaters that the bench uses, by their numbers from 1: temperature of each while its output is on, in
+    /// degrees Celsius.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub heaters_degc: BTreeMap<u32, u32>,
     pub start: Start,
 }
 
 impl Protocol {
-    /// Most channels that its frames have room for.
+    /// Number of channels in a frame.
     pub fn channels(self) -> u32 {
         match self {
             Protocol::Opendrop | Protocol::Purpledrop => 128,
@@ -208,7 +211,7 @@ impl Protocol {
         }
     }
 
-    /// Whether voltage and frequency are set by who plays frames, and not on the driver itself.
+    /// Whether the player of the frames sets voltage and frequency; otherwise they are set on the driver itself.
     pub fn sets_voltage(self) -> bool {
         match self {
             Protocol::Dropbot => true,
@@ -216,7 +219,7 @@ impl Protocol {
         }
     }
 
-    /// Magnets that its frames raise and lower.
+    /// Number of magnets that its frames raise and lower.
     pub fn magnets(self) -> u32 {
         match self {
             Protocol::Opendrop => 2,
@@ -224,7 +227,7 @@ impl Protocol {
         }
     }
 
-    /// Heaters whose temperatures are in its frames.
+    /// Number of heaters whose temperatures are in its frames.
     pub fn heaters(self) -> u32 {
         match self {
             Protocol::Opendrop => 3,
@@ -232,7 +235,7 @@ impl Protocol {
         }
     }
 
-    /// Whether MicroDrop drives it.
+    /// Whether MicroDrop can drive it.
     pub fn has_microdrop(self) -> bool {
         match self {
             Protocol::Opendrop | Protocol::Dropbot => true,
@@ -242,7 +245,8 @@ impl Protocol {
 }
 
 impl ElectrodeDriverFacts {
-    /// The names of its outputs that switch no electrode: `magnet1`, and `heater1` where the bench says how warm that is.
+    /// The names of its outputs that switch no electrode: `magnet1`, and `heater1` if the bench states that heater's
+    /// temperature.
     pub fn accessories(&self) -> impl Iterator<Item = String> {
         self.magnet_outputs().chain(self.heaters_degc.keys().map(|number| format!("heater{number}")))
     }
@@ -252,23 +256,24 @@ impl ElectrodeDriverFacts {
         (1..=self.protocol.magnets()).map(|number| format!("magnet{number}"))
     }
 
-    /// The temperature of the heater behind an output while that is on, in degrees Celsius.
+    /// Temperature of the heater behind an output while the output is on, in degrees Celsius.
     pub fn heats_to_degc(&self, output: &str) -> Option<u32> {
         self.heaters_degc.get(&number_after("heater", output)?).copied()
     }
 }
 
-/// Room for the rounding of a quotient of two figures of the program, where one is held against an instrument.
+/// Factor for the rounding of a quotient of two figures of the program that is compared with a limit of an
+/// instrument.
 pub const QUOTIENT_ROOM: f64 = 1.0 + 1e-12;
 
-/// What the voltage outputs of an instrument can do.
+/// Capabilities of the voltage outputs of an instrument.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct VoltageOutput {
-    /// Greatest voltage to either side of zero, into an open circuit.
+    /// Greatest voltage on either side of zero, into an open circuit.
     pub peak_v: f64,
     /// Bits of a sample, from the negative peak to the positive one.
     pub bits: u32,
-    /// Greatest number of samples in a second, in hertz, unfiltered.
+    /// Highest sample rate, in hertz, unfiltered.
     pub rate_hz: f64,
 }
 
@@ -278,12 +283,13 @@ pub enum OutputSort {
     Voltage,
     Digital,
     Position,
-    /// What a driver of electrodes switches beside these: a magnet, a heater.
+    /// Another output of an electrode driver: a magnet or a heater.
     Accessory,
 }
 
 impl OutputSort {
-    /// What stands behind an output that drives a channel of voltages or, with `is_stage`, a stage; `None` where it cannot.
+    /// The link from an output to a channel of voltages or, with `is_stage`, to a stage; `None` if the output cannot
+    /// drive it.
     pub fn link(self, is_stage: bool) -> Option<LinkSort> {
         match (self, is_stage) {
             (OutputSort::Voltage, false) => Some(LinkSort::Amplifier),
@@ -295,7 +301,7 @@ impl OutputSort {
     }
 }
 
-/// Sorts of links, as help describes them.
+/// Sorts of links, as the help describes them.
 const AMPLIFIED: (LinkSort, &str) = (LinkSort::Amplifier, "a channel of voltages, behind an amplifier");
 const PLACED: (LinkSort, &str) = (LinkSort::StageDriver, "the position of a stage, behind its driver");
 const SWITCHED: (LinkSort, &str) = (LinkSort::Switch, "a digital line, which closes a switch");
@@ -313,7 +319,7 @@ pub enum LinkSort {
 impl LinkSort {
     pub const ALL: [LinkSort; 4] = [LinkSort::Amplifier, LinkSort::StageDriver, LinkSort::Switch, LinkSort::Axis];
 
-    /// Where such a wire leads, in the plural.
+    /// Description of the outputs that drive such a link, in the plural.
     pub fn described(self) -> &'static str {
         match self {
             LinkSort::Amplifier => "outputs of voltage that feed amplifiers",
@@ -335,7 +341,7 @@ impl LinkSort {
 }
 
 impl DataAcquisitionFacts {
-    /// The port and the line that a name as `port0.line3` stands for, or no port and the number of an analog output.
+    /// The port and line of a name such as `port0.line3`, or no port and the number of an analog output.
     pub fn place(name: &str) -> Option<(Option<u32>, u32)> {
         match name.split_once('.') {
             Some((port, line)) => Some((Some(number_after("port", port)?), number_after("line", line)?)),
@@ -345,7 +351,7 @@ impl DataAcquisitionFacts {
 }
 
 impl InstrumentFacts {
-    /// The family that it is of.
+    /// Its family.
     pub fn family(&self) -> Family {
         match self {
             InstrumentFacts::WaveformGenerator(_) => Family::WaveformGenerator,
@@ -356,7 +362,7 @@ impl InstrumentFacts {
         }
     }
 
-    /// The sort of an output by its name, as `ch1` or `port0.line3`; `None` if there is no such output.
+    /// The sort of the output with this name, such as `ch1` or `port0.line3`; `None` if there is no such output.
     pub fn output(&self, name: &str) -> Option<OutputSort> {
         match self {
             InstrumentFacts::WaveformGenerator(facts) => {
@@ -381,7 +387,7 @@ impl InstrumentFacts {
         }
     }
 
-    /// The names of all its outputs to which channels may be spread, in their order: all but accessories.
+    /// The names of all outputs to which channels may be spread, in order: all but accessories.
     pub fn output_names(&self) -> Vec<String> {
         match self {
             InstrumentFacts::WaveformGenerator(facts) => (1..=facts.outputs).map(|n| format!("ch{n}")).collect(),
@@ -396,7 +402,7 @@ impl InstrumentFacts {
         }
     }
 
-    /// The names of its outputs, for a message.
+    /// The names of its outputs, for messages.
     pub fn outputs(&self) -> String {
         let range = |first: String, last: String| {
             if first == last { format!("`{first}`") } else { format!("`{first}` to `{last}`") }
@@ -424,13 +430,13 @@ impl InstrumentFacts {
         }
     }
 
-    /// Whether it would have an output of this name if the bench said how warm the heater behind it is.
+    /// Whether the output would exist if the bench stated the temperature of its heater.
     pub fn lacks_temperature(&self, output: &str) -> bool {
         let InstrumentFacts::ElectrodeDriver(facts) = self else { return false };
         number_after("heater", output).is_some_and(|number| (1..=facts.protocol.heaters()).contains(&number))
     }
 
-    /// What starts it.
+    /// Its start signal.
     pub fn start(&self) -> Start {
         match self {
             InstrumentFacts::WaveformGenerator(facts) => facts.start,
@@ -441,7 +447,7 @@ impl InstrumentFacts {
         }
     }
 
-    /// What its voltage outputs can do, if it has any.
+    /// Capabilities of its voltage outputs, if it has any.
     pub fn voltage(&self) -> Option<VoltageOutput> {
         match self {
             InstrumentFacts::WaveformGenerator(facts) => Some(facts.voltage),
@@ -453,19 +459,19 @@ impl InstrumentFacts {
     }
 }
 
-/// The number behind a word, written without leading zeros: 3 of `line3`.
+/// The number after a word, written without leading zeros: 3 of `line3`.
 pub fn number_after(word: &str, name: &str) -> Option<u32> {
     let digits = name.strip_prefix(word)?;
     let is_plain = digits.bytes().all(|byte| byte.is_ascii_digit()) && (digits == "0" || !digits.starts_with('0'));
     digits.parse().ok().filter(|_| is_plain)
 }
 
-/// The instruments of a program, and what they drive.
+/// The instruments of a program, and the channels that they drive.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Bench {
     /// By their names in the program.
     pub instruments: BTreeMap<String, Instrument>,
-    /// By the full names of the channels that are wired to them.
+    /// By the full names of the channels that are wired to instruments.
     pub drives: BTreeMap<String, Drive>,
 }
 
@@ -475,13 +481,13 @@ impl Bench {
         self.instruments.is_empty() && self.drives.is_empty()
     }
 
-    /// The instrument that drives a channel, and how.
+    /// The wiring of a channel and the instrument that drives it.
     pub fn drive(&self, channel: &str) -> Option<(&Drive, &Instrument)> {
         let drive = self.drives.get(channel)?;
         Some((drive, self.instruments.get(&drive.instrument)?))
     }
 
-    /// Whether another bench has the same instruments and drives, wherever they are written.
+    /// Whether another bench has the same instruments and drives; spans are ignored.
     pub fn is_same(&self, other: &Bench) -> bool {
         let parts = |drive: &Drive| (drive.instrument.clone(), drive.output.clone(), drive.link, drive.limits);
         let drives = |bench: &Bench| bench.drives.iter().map(|(name, drive)| (name.clone(), parts(drive))).collect();
@@ -490,7 +496,7 @@ impl Bench {
     }
 }
 
-/// What stands between a channel and the output of an instrument.
+/// Connection between a channel and an output of an instrument.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// The instrument's name in the program.
@@ -498,39 +504,39 @@ pub struct Drive {
     /// The output's name on the instrument.
     pub output: String,
     pub link: Link,
-    /// Of the stage behind it.
+    /// Limits of the stage behind it.
     #[serde(default, skip_serializing_if = "StageLimits::is_empty")]
     pub limits: StageLimits,
-    /// The wire in the program.
+    /// The wire's place in the program.
     #[serde(skip)]
     pub span: Span,
 }
 
-/// How the value of a channel becomes that of an output.
+/// Conversion between the value of a channel and that of an output.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Link {
-    /// A voltage behind an amplifier: the channel's volts are those of the output, times the gain.
+    /// A voltage behind an amplifier: the channel's volts are the output's volts times the gain.
     Amplifier {
-        /// Not 0; below 0 it inverts.
+        /// Not 0; a negative gain inverts.
         gain: f64,
-        /// Greatest voltage to either side that the amplifier gives.
+        /// Greatest voltage of the amplifier on either side of zero.
         limit_v: Option<f64>,
-        /// Fastest change of its voltage, in volts per second.
+        /// Greatest slew rate, in volts per second.
         slew_v_per_s: Option<f64>,
     },
-    /// The driver of a stage: the output gives `zero_v`, and `scale_v_per_um` more for each micrometre.
+    /// The driver of a stage: the output gives `zero_v` plus `scale_v_per_um` for each micrometre.
     StageDriver { zero_v: f64, scale_v_per_um: f64 },
-    /// A switch that a digital line closes: on, the channel has this voltage.
+    /// A switch that a digital line closes; the channel has this voltage while it is on.
     Switch { on_v: f64 },
-    /// A stage that its controller moves: it is at `origin_um` of its own travel where the channel is at 0, and counts on from there
-    /// or back.
+    /// A stage that its controller moves: the channel's 0 is at `origin_um` of the stage's travel, and the stage
+    /// counts forward or backward from there.
     Axis { origin_um: f64, direction: Direction, least_um: f64, most_um: f64 },
 }
 
 impl Link {
-    /// Voltage of the instrument's output at a value of the channel, in volts or micrometres; for a switch the level of
-    /// its line, 0 or 1; for an axis the place of the stage, in micrometres.
+    /// Voltage of the output for a value of the channel, in volts or micrometres; for a switch the level of its line,
+    /// 0 or 1; for an axis the position of the stage, in micrometres.
     pub fn at_output(self, value: f64) -> f64 {
         match self {
             Link::Amplifier { gain, .. } => value / gain,
@@ -540,7 +546,8 @@ impl Link {
         }
     }
 
-    /// Value of the channel at a voltage of the instrument's output.
+    /// Value of the channel for a voltage of the output, for a switch from the level of its line, for an axis from
+    /// the position of the stage.
     pub fn value(self, output_v: f64) -> f64 {
         match self {
             Link::Amplifier { gain, .. } => output_v * gain,

@@ -1,11 +1,11 @@
-//! Controllers of stages, and what stages can follow.
+//! Stage controllers, and the limits of stages.
 
 use super::Start;
 use crate::device::words::words;
 use serde::{Deserialize, Serialize};
 
 words! {
-    /// How a controller of stages is spoken to.
+    /// Protocol of a stage controller.
     pub enum StageProtocol {
         Gcs = "gcs": "PI: its General Command Set over TCP/IP or a serial line, a wave table for each axis",
         Mcs2 = "mcs2": "SmarAct: an MCS2 by the maker's package, a stream of places",
@@ -13,7 +13,7 @@ words! {
 }
 
 words! {
-    /// Which way a stage counts.
+    /// Counting direction of a stage.
     pub enum Direction {
         Forward = "forward": "as the channel",
         Backward = "backward": "against the channel: the stage is mounted the other way round",
@@ -21,7 +21,7 @@ words! {
 }
 
 impl Direction {
-    /// 1, or -1 for a stage that counts against its channel.
+    /// 1, or -1 for a stage that counts in the opposite direction to its channel.
     pub fn sign(self) -> f64 {
         match self {
             Direction::Forward => 1.0,
@@ -30,11 +30,11 @@ impl Direction {
     }
 }
 
-/// The rates at which an MCS2 takes the places of a stream, in hertz: the range of its property `STREAM_BASE_RATE`.
+/// Rates at which an MCS2 accepts the points of a stream, in hertz: the range of its property `STREAM_BASE_RATE`.
 const STREAM_RATES_HZ: std::ops::RangeInclusive<f64> = 10.0..=1000.0;
 
 impl StageProtocol {
-    /// What its rates are, in words, if one is none of these.
+    /// Description of the accepted rates if `rate_hz` is not one of them; `None` if it is accepted.
     pub fn refuses_rate(self, rate_hz: f64) -> Option<&'static str> {
         match self {
             StageProtocol::Gcs => None,
@@ -46,20 +46,20 @@ impl StageProtocol {
     }
 }
 
-/// A controller of stages.
+/// A stage controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StageControllerFacts {
     pub protocol: StageProtocol,
     /// At most [`super::MAX_OUTPUTS`].
     pub axes: u32,
-    /// Points in a second, in hertz.
+    /// Points per second.
     pub rate_hz: f64,
-    /// Points of the table of an axis; `None` for one that is sent while it is played.
+    /// Most points in the table of an axis; `None` if points are streamed during play.
     pub most_points: Option<u32>,
     pub start: Start,
 }
 
-/// What a stage can follow. What is not known is not held.
+/// Limits of a stage. A limit that is not known is not checked.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct StageLimits {
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -69,20 +69,21 @@ pub struct StageLimits {
 }
 
 impl StageLimits {
-    /// Whether nothing is known.
+    /// Whether no limit is known.
     pub fn is_empty(&self) -> bool {
         *self == StageLimits::default()
     }
 
-    /// How far a stage is off its way at most where the speed changes at once, in micrometres. It changes its speed evenly, in the time
-    /// `t = change / acceleration` around the corner, and is `change * t / 8` off at the corner itself.
+    /// Greatest deviation of a stage from its path where the commanded speed jumps, in micrometres. The stage changes
+    /// its speed uniformly, in the time `t = change / acceleration` centred on the corner, and is `change * t / 8`
+    /// off at the corner.
     pub fn rounding_um(&self, change_um_per_s: f64) -> f64 {
         self.acceleration_um_per_s2.map_or(0.0, |most| change_um_per_s * change_um_per_s / (8.0 * most))
     }
 }
 
-/// How far a way that runs straight from point to point is off one with a corner between two points, at most, in micrometres: the
-/// corner lies in the middle, `change * period / 4` beside the straight line.
+/// Greatest deviation of a path sampled at points, straight between them, from one with a corner between two points,
+/// in micrometres: with the corner in the middle, it is `change * period / 4` off the straight line.
 pub fn cut_um(change_um_per_s: f64, period_s: f64) -> f64 {
     change_um_per_s * period_s / 4.0
 }

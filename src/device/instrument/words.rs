@@ -1,16 +1,16 @@
-//! The vocabulary of instruments and of the wires that lead to them.
+//! The vocabulary of instruments and of wires.
 
 use super::{AXIS_LETTERS, Direction, Level, MAX_OUTPUTS, Protocol, StageProtocol, Start};
 use crate::device::{DefaultFigure, Need, Range, Sort, VocabularyField, defaulted, optional, positive, required};
 use crate::quantity::Dimension;
 
-/// Most points of a generator's memory.
+/// Most points in a generator's memory.
 const MAX_POINTS: u32 = 1 << 30;
 
-/// Most bits of a sample: codes travel as 16 bits.
+/// Most bits of a sample: codes are transferred as 16 bits.
 const MAX_BITS: u32 = 16;
 
-/// Most lines of a port: a port is played as words of 32 bits.
+/// Most lines of a port: a port is played as 32-bit words.
 const MAX_LINES: u32 = 32;
 
 const PEAK: VocabularyField = required(
@@ -72,7 +72,7 @@ pub const DATA_ACQUISITION: &[VocabularyField] = &[
     START,
 ];
 
-/// The fields of the heaters of a driver, by their numbers from 1: its outputs have these names, too.
+/// The fields for the heaters of a driver, by their numbers from 1; its outputs have the same names.
 pub const HEATERS: [&str; 3] = ["heater1", "heater2", "heater3"];
 
 const fn heater(name: &'static str) -> VocabularyField {
@@ -133,7 +133,7 @@ pub const MACHINE_CONTROLLER: &[VocabularyField] = &[
 const HIGH: VocabularyField = defaulted(
     "voltage",
     positive(Dimension::VOLTAGE),
-    // Of TTL, and of most digital lines.
+    // TTL, and the level of most digital lines.
     DefaultFigure::new(5.0, "V"),
     "voltage of the high level; low is 0 V",
 );

@@ -1,62 +1,62 @@
-//! Words of a controlled run: what a controller is doing, and why it gave a task up.
+//! Vocabulary of a controlled run: the controller's phase, and the reason why it gave up a task.
 
 use serde::{Deserialize, Serialize};
 
-/// What a controller is doing.
+/// What the controller is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ControlPhase {
-    /// Legs are carried out as the plan has them.
+    /// Legs are executed as planned.
     Legs,
     /// The bed is without voltage.
     Wait,
     /// A robot is driven to a pose.
     Approach,
-    /// The first of two robots is driven until it is in time with the second, which orbits.
+    /// The first of two robots is driven until its timing matches the second, which orbits.
     Timing,
     /// The first of two robots runs straight, the second is driven to its approach.
     Meeting,
     /// The last stretch before a goal.
     Fine,
-    /// A robot was pushed against its structure, and the next measurement tells whether it docked.
+    /// A robot was pushed against its structure; the next measurement shows whether it docked.
     Contact,
-    /// Nothing is left to do.
+    /// Nothing is left to be done.
     Over,
 }
 
-/// Why a task was given up.
+/// Reason for giving up a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StopReason {
-    /// After the greatest number of rounds it had still not reached the start of the fine motion, or its pose.
+    /// After the greatest number of rounds the robot had still not reached the start of the fine motion, or its pose.
     LeftCylinder,
-    /// The goal was not within the reach of the fine motion.
+    /// The goal was not within reach of the fine motion.
     MissedCone,
-    /// It is at its structure, and farther from its place than the docking tolerance.
+    /// The robot is at its structure, but farther from its place than the docking tolerance.
     Misplaced,
-    /// It took too long.
+    /// The task exceeded its time limit.
     TimeLimit,
-    /// A robot was not seen too many times in a row.
+    /// A robot was not seen for too many measurements in a row.
     Unseen,
-    /// A robot was measured too many times in a row where it cannot have come to.
+    /// A robot was measured, for too many measurements in a row, where it cannot be.
     Doubtful,
-    /// A robot was measured too many times in a row where its commands cannot have brought it.
+    /// A robot was measured, for too many measurements in a row, where its commands cannot have brought it.
     Astray,
-    /// A robot was measured twice in a row at a place to which it cannot have come.
+    /// A robot was measured twice in a row at a position that it cannot have reached.
     Moved,
-    /// What would have to be driven next brings a robot into an obstacle or into another robot.
+    /// The next motion would bring a robot into an obstacle or into another robot.
     Blocked,
     /// No measurement came in time.
     Silence,
     /// The measurements ended.
     Closed,
-    /// The time of a measurement lies before that of the one before.
+    /// A measurement's time is before that of the previous one.
     Clock,
-    /// Too many lines could not be understood.
+    /// Too many lines could not be parsed.
     Garbled,
     /// A signal asked the controller to end.
     Interrupted,
-    /// A command could not be handed over in time.
+    /// A command could not be delivered in time.
     Unread,
     /// The recording could not be written.
     Unrecorded,

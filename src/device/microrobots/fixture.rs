@@ -44,7 +44,7 @@ pub fn facts(robots: Vec<Robot>) -> MicrorobotsFacts {
     }
 }
 
-/// The states of a STRING table: state j lowers the arms of the first j robots, by these levels.
+/// The states of a STRING table: state j lowers the arms of the first j robots; `levels_v` gives its levels.
 pub fn string_states(count: usize, slack_v: f64, levels_v: impl Fn(usize) -> Vec<f64>) -> Vec<ControlState> {
     let arm = |down: usize, row: usize| if row < down { Arm::Down } else { Arm::Up };
     let arms = |down: usize| (0..count).map(|row| arm(down, row)).collect();

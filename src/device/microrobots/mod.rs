@@ -1,9 +1,9 @@
-//! STRING microrobots: stress-engineered scratch drives on one bed, all fed with one and the same voltage.
+//! STRING microrobots: stress-engineered scratch drives on one bed, all supplied with the same voltage.
 //!
-//! Facts, kinematics and vocabulary of the kind. Each robot lowers its steering arm at its own snap-down voltage and raises it at
-//! its own release voltage; with the arm down it turns on a circle, with the arm up it runs straight. Source of the model:
-//! Donald, Levey, Paprotny, Rus, *Simultaneous control of multiple MEMS microrobots*, WAFR 2008 (supporting material), with
-//! its headings and formulas corrected (see the standard library's file).
+//! Facts, kinematics and vocabulary of the kind. Each robot lowers its steering arm at its own snap-down voltage and
+//! raises it at its own release voltage; with the arm down it turns on a circle, with the arm up it runs straight.
+//! Source of the model: Donald, Levey, Paprotny, Rus, *Simultaneous control of multiple MEMS microrobots*, WAFR 2008
+//! (supporting material). Its headings and formulas are corrected (see the standard library's file).
 
 use crate::geometry::Pose;
 use crate::geometry::fault::{Fault, through};
@@ -29,10 +29,10 @@ pub const MAX_OBSTACLES: usize = 1_000;
 /// Greatest number of levels in one control cycle.
 pub const MAX_LEVELS: u32 = 64;
 
-/// The channel of a bed, without the device's name.
+/// The channel name of a bed, without the device's name.
 pub const CHANNEL: &str = "bed";
 
-/// Where a steering arm is.
+/// Position of a steering arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Arm {
@@ -43,7 +43,7 @@ pub enum Arm {
 }
 
 impl Arm {
-    /// The digit of a control state: 1 for down.
+    /// The arm's digit in a control state: 1 for down.
     pub const fn digit(self) -> u8 {
         match self {
             Arm::Up => 0,
@@ -62,17 +62,17 @@ impl Turning {
     }
 }
 
-/// A row of the table.
+/// One robot: a row of the device's table.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Robot {
     pub name: String,
-    /// At or above it the arm goes down.
+    /// Snap-down voltage: at or above it the arm goes down.
     pub snap_down_v: f64,
-    /// At or below it the arm goes up.
+    /// Release voltage: at or below it the arm goes up.
     pub release_v: f64,
-    /// Radius of its centre's circle, arm down.
+    /// Radius of the circle of its centre, arm down.
     pub turning_radius_um: f64,
-    /// Distance that one pulse of the drive train carries its centre.
+    /// Distance by which one pulse of the drive train moves its centre.
     pub step_um: f64,
     pub turning: Turning,
     /// Length of its body, along its heading; the pose is that of the body's centre.
@@ -82,9 +82,10 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// Pose of its centre after `way_um` of its path.
+    /// Pose of its centre after travelling `way_um`.
     ///
-    /// The exact step of the unicycle with the turning rate v/r (equation 4 of the paper, whose equation 5 contradicts it).
+    /// The exact integral of the unicycle model with turning rate v/r (equation 4 of the paper, whose equation 5
+    /// contradicts it).
     pub fn moved(&self, pose: Pose, arm: Arm, way_um: f64) -> Pose {
         let (sin, cos) = pose.heading_rad.sine_cosine();
         let way_um = through(Fault::Stroke, way_um);
@@ -103,59 +104,59 @@ impl Robot {
         }
     }
 
-    /// The middle of the circle that it turns on.
+    /// Centre of its turning circle.
     pub fn orbit_centre_um(&self, pose: Pose) -> [f64; 2] {
         let (sin, cos) = pose.heading_rad.sine_cosine();
         let curve = self.turning.sign() * self.turning_radius_um;
         [pose.x_um - curve * sin, pose.y_um + curve * cos]
     }
 
-    /// The radius of the disc that its body sweeps on its orbit: to the farthest corner.
+    /// Radius of the disc that its body sweeps on its orbit: the distance to the farthest corner.
     pub fn orbit_reach_um(&self) -> f64 {
         (self.turning_radius_um + self.width_um / 2.0).hypotenuse(self.length_um / 2.0)
     }
 }
 
-/// A heading between -180 and 180 degrees, the latter included.
+/// Wraps a heading to (-180, 180] degrees.
 pub fn wrapped_rad(heading_rad: f64) -> f64 {
     let turned_rad = heading_rad.rem_euclid(TAU);
     if turned_rad > TAU / 2.0 { turned_rad - TAU } else { turned_rad }
 }
 
-/// How robots may meet.
+/// Docking rules.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Docking {
-    /// Two robots that meet head on align themselves up to this angle between their axes.
+    /// Greatest angle between the axes of two robots that meet head on at which they still align themselves.
     pub self_aligning_rad: f64,
-    /// And up to this distance of their axes.
+    /// Greatest distance between their axes at which they still do.
     pub self_aligning_um: f64,
-    /// A robot that meets a structure sticks up to this angle from the normal of the edge that it meets.
+    /// Greatest angle from the normal of the edge at which a robot that meets a structure sticks.
     pub sticking_rad: f64,
     /// Greatest gap or overlap of docked bodies.
     pub tolerance_um: f64,
 }
 
-/// How the last stretch before a goal is driven: by turns between turning and running straight.
+/// Fine motion: the last stretch before a goal, driven by alternating between turning and running straight.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Fine {
     /// Path length of the robot from the intermediate configuration to the goal.
     pub length_um: f64,
-    /// Path length of one cycle, in which each of the two or three primitives occurs once.
+    /// Path length of one cycle, in which each of the two or three motion primitives occurs once.
     pub cycle_um: f64,
 }
 
 /// Bounds on the errors of robots and measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Error of the speed, as a share of it.
+    /// Relative error of the speed.
     pub speed_ratio: f64,
-    /// Error of the heading, per micrometre of the path.
+    /// Heading error per micrometre of path.
     pub turning_rad_per_um: f64,
-    /// Error of a measured place, in any direction.
+    /// Error of a measured position, in any direction.
     pub place_um: f64,
     /// Error of a measured heading.
     pub heading_rad: f64,
-    /// From one measurement to the next.
+    /// Interval from one measurement to the next.
     pub replan_ns: u64,
 }
 
@@ -171,60 +172,61 @@ impl Errors {
 pub struct MicrorobotsFacts {
     /// In the order of the table; 1 to [`MAX_ROBOTS`].
     pub robots: Vec<Robot>,
-    /// Each snap-down and release voltage is known to plus or minus this.
+    /// Tolerance of each snap-down and release voltage, plus or minus.
     pub margin_v: f64,
     /// Greatest voltage of the source.
     pub max_v: f64,
-    /// Between the strokes of the drive train.
+    /// Voltage between the strokes of the drive train.
     pub relax_v: f64,
-    /// At the strokes of the drive train.
+    /// Voltage at the strokes of the drive train.
     pub flex_v: f64,
-    /// Duration of one stroke: half of it at the flex level, then half at the relax level. Even, at least 2.
+    /// Duration of one stroke: half at the flex level, then half at the relax level. Even, at least 2.
     pub period_ns: u64,
     /// Duration of each level of a control cycle.
     pub dwell_ns: u64,
-    /// Least distance of a moving body from obstacles and other bodies.
+    /// Least distance of a moving body from obstacles and from other bodies.
     pub clearance_um: f64,
-    /// Least distance of anything from the disc that an orbiting robot sweeps.
+    /// Least distance of any body from the disc that an orbiting robot sweeps.
     pub orbit_clearance_um: f64,
     pub docking: Docking,
     pub fine: Fine,
-    /// `None` unless the device gives them all: nothing can be guaranteed or simulated then.
+    /// `None` unless the device states all of them; then nothing can be guaranteed or simulated.
     pub errors: Option<Errors>,
-    /// Without a measurement for this long, counted from the end of the last command, a controller stops; `None` for the default.
+    /// Time without a measurement, counted from the end of the last command, after which a controller stops; `None`
+    /// for the default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub watchdog_ns: Option<u64>,
 }
 
-/// Default of the watchdog, in intervals from one measurement to the next.
+/// Default of the watchdog, in measurement intervals.
 pub const WATCHDOG_INTERVALS: u64 = 5;
 
 impl MicrorobotsFacts {
-    /// Whether its errors are stated, and all zero.
+    /// Whether its errors are stated and all are zero.
     pub fn is_exact(&self) -> bool {
         self.errors.is_some_and(|errors| errors.are_zero())
     }
 
-    /// For how long a controller waits for a measurement after the end of its last command.
+    /// Time for which a controller waits for a measurement after the end of its last command.
     pub fn watchdog_ns(&self) -> u64 {
         let interval_ns = self.errors.map_or(u64::MAX, |errors| errors.replan_ns);
         self.watchdog_ns.unwrap_or(interval_ns.saturating_mul(WATCHDOG_INTERVALS))
     }
 
-    /// The row of a name.
+    /// The index of a robot in the table, by name.
     pub fn row(&self, name: &str) -> Option<usize> {
         self.robots.iter().position(|robot| robot.name == name)
     }
 }
 
-/// An arm pattern that the bed's voltage can set, from whatever arms were before.
+/// An arm pattern that the bed's voltage can set, whatever the arms were before.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ControlState {
     /// In the order of the table.
     pub arms: Vec<Arm>,
-    /// The levels of its control cycle, each held for the dwell time: as few as there can be.
+    /// The levels of its control cycle, each held for the dwell time; as few as possible.
     pub levels_v: Vec<f64>,
-    /// Tolerance of every level within which all arms remain certain.
+    /// Tolerance of each level within which the state of every arm is certain.
     pub slack_v: f64,
 }
 

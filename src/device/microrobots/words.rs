@@ -28,7 +28,7 @@ impl MicrorobotsObjective {
         }
     }
 
-    /// The figure of a plan that it minimizes; `None` for an estimate, which no replay can derive.
+    /// The outcome that it minimises; `None` for an estimate, which no replay can derive.
     pub fn outcome(self) -> Option<MicrorobotsOutcome> {
         match self {
             MicrorobotsObjective::Time => Some(MicrorobotsOutcome::Time),
@@ -39,7 +39,7 @@ impl MicrorobotsObjective {
 }
 
 words! {
-    /// A figure of a plan.
+    /// An outcome of a plan.
     pub enum MicrorobotsOutcome {
         Time = "time": "from the beginning of the task to the end of its last step",
         Switches = "switches": "control cycles",
@@ -48,14 +48,14 @@ words! {
 }
 
 words! {
-    /// How a plan is searched.
+    /// Search method.
     pub enum MicrorobotsPlanner {
         OneWayDubins = "one_way_dubins": "shortest ways of turns to one side and straight lines, searched over the middles of the turns; for assemblies the paper's two stages, with the order and the phase of the orbits searched",
     }
 }
 
 words! {
-    /// To which side a robot turns.
+    /// Turning direction of a robot.
     pub enum Turning {
         Clockwise = "clockwise": "its heading falls while its arm is down",
         Counterclockwise = "counterclockwise": "its heading rises while its arm is down",
@@ -207,14 +207,14 @@ const OUTCOMES: &[Outcome] = &[
 ];
 
 words! {
-    /// A thing of a bed's scene.
+    /// A noun of a bed's scene.
     pub enum BedNoun {
         Robot = "robot": "a robot of the device's table, at its start",
         Obstacle = "obstacle": "something that no robot may come near",
     }
 }
 
-/// The words of the kind.
+/// The vocabulary of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
     name: "microrobots",
     summary: "scratch-drive robots on one bed, all driven by the same voltage",

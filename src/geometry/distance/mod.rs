@@ -1,14 +1,15 @@
 //! Distances in the plane between the area swept by a tip and the core of a body.
 //!
-//! Input: points in micrometres. Output: the distance between two closed sets, 0 where they meet, in micrometres. Promise:
-//! no safety margin, no tolerance; the error is that of a few roundings of the coordinates, about 1e-15 of the largest one. Planners
-//! and the checker use this file; the verifier has its own measures, in `verify::geometry`.
+//! Input: points in micrometres. Output: the distance between two closed sets, 0 if they meet, in micrometres.
+//! Promise: no safety margin, no tolerance; the error is that of a few roundings of the coordinates, about 1e-15 of
+//! the largest one. Planners and the checker use this file; the verifier has its own measurements in
+//! `verify::geometry`.
 
 use super::fault::{Fault, through};
 use super::shape::Core;
 use nalgebra::Point2;
 
-/// A closed segment; both ends may be one point.
+/// A closed segment; its two ends may coincide.
 pub type Segment = [Point2<f64>; 2];
 
 /// Distance of a point from a segment.
@@ -98,8 +99,8 @@ pub fn quadrilateral_core(quadrilateral: [Point2<f64>; 4], core: &Core) -> f64 {
     edges(&quadrilateral).map(|edge| segment_core(edge, core)).fold(f64::INFINITY, f64::min)
 }
 
-/// Whether a point lies in a polygon by the even-odd rule; on the border either answer may come, where the distance to
-/// an edge is 0 anyway.
+/// Whether a point is inside a polygon by the even-odd rule. On the border the answer is arbitrary; there the
+/// distance to an edge is 0 anyway.
 pub(super) fn inside(point: Point2<f64>, corners: &[Point2<f64>]) -> bool {
     edges(corners).fold(false, |inside, [a, b]| {
         let spans = (a.y > point.y) != (b.y > point.y);
@@ -108,13 +109,13 @@ pub(super) fn inside(point: Point2<f64>, corners: &[Point2<f64>]) -> bool {
     })
 }
 
-/// The edges of a polygon, each from a corner to the next.
+/// The edges of a polygon, each from a corner to the next one.
 pub(super) fn edges(corners: &[Point2<f64>]) -> impl Iterator<Item = Segment> + '_ {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
 
-/// Whether each segment has the ends of the other strictly on its two sides. Segments that only touch are left to the
-/// distance of their ends.
+/// Whether each segment has the ends of the other strictly on opposite sides. Segments that only touch are covered by
+/// the distances of their ends.
 fn cross([a, b]: Segment, [c, d]: Segment) -> bool {
     let side = |p: Point2<f64>, q: Point2<f64>, r: Point2<f64>| (q - p).perp(&(r - p));
     side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0

@@ -1,4 +1,4 @@
-//! Distances against known figures, and against dense samples with an independent inside test.
+//! Distances against known values, and against dense samples with an independent inside test.
 
 use super::*;
 use proptest::prelude::*;
@@ -111,13 +111,13 @@ fn length([a, b]: Segment) -> f64 {
     (b - a).norm()
 }
 
-/// Whether a point is in a polygon: the corners turn about it by a whole turn.
+/// Whether a point is in a polygon, by winding number: the corners turn around it once.
 fn wound(point: Point2<f64>, corners: &[Point2<f64>]) -> bool {
     let turn = |[a, b]: Segment| (a - point).perp(&(b - point)).atan2((a - point).dot(&(b - point)));
     edges(corners).map(turn).sum::<f64>().abs() > std::f64::consts::PI
 }
 
-/// Distance of a point from a core, the border of a polygon by samples.
+/// Distance of a point from a core, with the border of a polygon sampled.
 fn sampled(point: Point2<f64>, core: &Core) -> f64 {
     let to_border = |border: Segment| samples(border).map(|other| (other - point).norm()).fold(f64::INFINITY, f64::min);
     match core {
@@ -128,7 +128,7 @@ fn sampled(point: Point2<f64>, core: &Core) -> f64 {
     }
 }
 
-/// Bound on the error from sampling a core.
+/// Bound on the error of sampling a core.
 fn coarseness(core: &Core) -> f64 {
     let longest = match core {
         Core::Point(_) => 0.0,
@@ -142,7 +142,7 @@ fn point() -> impl Strategy<Value = Point2<f64>> {
     (-10.0..10.0f64, -10.0..10.0f64).prop_map(|(x, y)| p(x, y))
 }
 
-/// A polygon that does not cross itself: corners at rising angles about a middle, at any distance from it.
+/// A polygon without self-crossings: corners at increasing angles around a centre, at any distance from it.
 fn polygon() -> impl Strategy<Value = Vec<Point2<f64>>> {
     (point(), prop::collection::vec(0.3..6.0f64, 3..9)).prop_map(|(middle, radii)| {
         let turn = std::f64::consts::TAU / radii.len() as f64;

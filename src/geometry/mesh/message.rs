@@ -1,4 +1,4 @@
-//! Faults of a mesh in words that follow its name: "`bead.stl` is not closed …".
+//! Faults of a mesh, worded to follow its name: "`bead.stl` is not closed …".
 
 use super::{MAX_BYTES, MAX_TRIANGLES, MAX_UM, MeshError};
 use std::fmt;

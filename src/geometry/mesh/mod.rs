@@ -1,11 +1,11 @@
-//! Closed surfaces of triangles: reading STL files, volume and centre, sections, distances.
+//! Closed triangle meshes: reading STL files, volume and centroid, sections, distances.
 //!
-//! Input: the bytes of an STL file, text or binary, whose numbers are micrometres. Output: a [`Mesh`] whose surface is closed and faces
-//! outwards. Promise: a surface that is not closed, not finite or too large is refused; the same bytes give the same mesh, and
-//! [`Mesh::to_text`] is read back bit by bit. Self-intersection is not checked.
+//! Input: the bytes of an STL file, text or binary, in micrometres. Output: a [`Mesh`] whose surface is closed and
+//! faces outwards. Promise: a surface that is not closed, not finite or too large is refused; the same bytes give the
+//! same mesh, and [`Mesh::to_text`] is read back bit by bit. Self-intersection is not checked.
 //!
-//! Volume and centre come from the divergence theorem. A section counts a vertex on the plane as being in front of it, as
-//! though the plane lay a little behind (symbolic perturbation); so each triangle is cut on two edges or on none.
+//! Volume and centroid come from the divergence theorem. A section treats a vertex on the plane as being in front of
+//! it, as if the plane were slightly behind (symbolic perturbation); so each triangle is cut on two edges or on none.
 
 mod message;
 mod section;
@@ -17,36 +17,36 @@ mod tests;
 /// Greatest number of triangles of a mesh.
 pub const MAX_TRIANGLES: usize = 200_000;
 
-/// The longest file.
+/// Greatest length of a file, in bytes.
 pub const MAX_BYTES: usize = 1 << 26;
 
-/// The greatest coordinate.
+/// Greatest coordinate, in micrometres.
 pub const MAX_UM: f64 = 1e6;
 
-/// Why a mesh is none, or has no section.
+/// Reason why data are not a mesh, or a mesh has no section.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeshError {
-    /// More than [`MAX_BYTES`].
+    /// The file is longer than [`MAX_BYTES`].
     TooLong { bytes: usize },
-    /// More than [`MAX_TRIANGLES`].
+    /// There are more than [`MAX_TRIANGLES`].
     TooManyTriangles(usize),
     /// Not an STL file; the reader's message.
     Format(String),
-    /// No triangle at all.
+    /// There is no triangle.
     Empty,
     /// A coordinate of this triangle, counted from 0, is not finite or too large.
     Number { triangle: usize },
     /// This triangle, counted from 0, has no area.
     ZeroArea { triangle: usize },
-    /// Edges that belong to one triangle only, and the middle of one of them: holes.
+    /// Holes: edges that belong to only one triangle, and the midpoint of one of them.
     Open { edges: usize, at_um: [f64; 3] },
-    /// Edges of more than two triangles, or of two with opposite orientation, and the middle of one of them.
+    /// Edges of more than two triangles, or of two with opposite orientation, and the midpoint of one of them.
     Tangled { edges: usize, at_um: [f64; 3] },
     /// It encloses no volume.
     NoVolume,
     /// The plane does not meet it.
     NoSection,
-    /// The plane cuts it in several closed lines.
+    /// The plane cuts it in several closed curves.
     SeveralLoops(usize),
 }
 
@@ -55,15 +55,15 @@ pub enum MeshError {
 pub struct Mesh {
     vertices_um: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// The bounds of each [`BLOCK`] triangles in their order.
+    /// The bounding box of each [`BLOCK`] triangles, in order.
     blocks_um: Vec<[[f64; 3]; 2]>,
 }
 
-/// Triangles per bounding box; neighbours in the file are often neighbours in space.
+/// Triangles per bounding box; neighbours in a file are often neighbours in space.
 const BLOCK: usize = 64;
 
 impl Mesh {
-    /// Reads an STL file, text or binary. One that faces inwards is turned round.
+    /// Reads an STL file, text or binary. A mesh that faces inwards is turned inside out.
     ///
     /// # Errors
     /// See [`MeshError`].
@@ -72,25 +72,26 @@ impl Mesh {
         Mesh::of(&corners_um)
     }
 
-    /// Joins triangles, given by their corners, at corners that are the same place.
+    /// Builds a mesh from the corners of its triangles; corners that coincide are joined.
     ///
     /// # Errors
-    /// All of [`MeshError`] but those of files and sections.
+    /// All of [`MeshError`] except those of files and sections.
     pub fn of(corners_um: &[[[f64; 3]; 3]]) -> Result<Mesh, MeshError> {
         surface::joined(corners_um)
     }
 
-    /// The mesh in other units and about another origin: each coordinate less that of the origin, times the scale.
+    /// The mesh about another origin and in other units: each coordinate minus that of the origin, times the scale.
     ///
     /// # Errors
-    /// If the result is no mesh any more, because numbers become too large or coincide.
+    /// If the result is not a mesh, because numbers become too large or coincide.
     pub fn placed(&self, origin_um: [f64; 3], scale: f64) -> Result<Mesh, MeshError> {
         let place = |point: [f64; 3]| [0, 1, 2].map(|axis| (point[axis] - origin_um[axis]) * scale);
         let corners_um: Vec<[[f64; 3]; 3]> = self.corners().map(|corners| corners.map(place)).collect();
         Mesh::of(&corners_um)
     }
 
-    /// The mesh as text of an STL file, without normals. A mesh read from a file is read back from this bit by bit.
+    /// The mesh as the text of an STL file, without normals. A mesh that came from a file is read back from this text
+    /// bit by bit.
     pub fn to_text(&self) -> String {
         stl::text(self)
     }
@@ -114,13 +115,13 @@ impl Mesh {
         surface::volume_and_centre(self).0
     }
 
-    /// The centre of the volume that it encloses.
+    /// The centroid of the enclosed volume.
     pub fn centre_um(&self) -> [f64; 3] {
         surface::volume_and_centre(self).1
     }
 
-    /// Where the plane through the origin along two perpendicular unit vectors cuts it: a closed line in coordinates along them,
-    /// counter-clockwise; the first point is not repeated.
+    /// The section with the plane through the origin that two perpendicular unit vectors span: a closed polyline in
+    /// coordinates along them, counter-clockwise; the first point is not repeated.
     ///
     /// # Errors
     /// [`MeshError::NoSection`] and [`MeshError::SeveralLoops`].
@@ -133,7 +134,8 @@ impl Mesh {
         }
     }
 
-    /// The distance of a point from the surface, never negative: that from the nearest triangle, of all in blocks that are near enough.
+    /// The distance of a point from the surface, never negative: that from the nearest triangle in the blocks that
+    /// are near enough.
     pub fn distance_um(&self, point_um: [f64; 3]) -> f64 {
         let away = |bounds: &[[f64; 3]; 2]| surface::box_square(*bounds, point_um);
         let mut blocks: Vec<(f64, &[[u32; 3]])> =

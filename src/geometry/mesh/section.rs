@@ -1,19 +1,21 @@
-//! Where a plane cuts a closed surface.
+//! Section of a closed surface with a plane.
 //!
-//! Input: a mesh and the axes of a plane through the origin. Output: closed lines, counter-clockwise, without those that a plane which
-//! only touches would leave. Promise: a point of a line is the same whichever triangle it is met from; linear but for sorting.
+//! Input: a mesh and the axes of a plane through the origin. Output: closed polylines, counter-clockwise, without the
+//! degenerate ones of a plane that only touches. Promise: a point of a polyline is the same whichever of its
+//! triangles it is computed from; linear cost except for sorting.
 
 use super::surface::edges;
 use super::{Mesh, cross, dot};
 use crate::real::Real;
 
-/// Least area enclosed by a line, as a share of the square of its length.
+/// Least area enclosed by a polyline, as a share of the square of its length.
 const LEAST_AREA: f64 = 1e-12;
 
-/// Distance from a plane, as a share of the greatest coordinate, that is the rounding of numbers of 32 bits: such vertices are on it.
+/// Distance from a plane, as a share of the greatest coordinate, that is within the rounding of 32-bit floats: such
+/// vertices are on the plane.
 const SAME_HEIGHT: f64 = 1e-7;
 
-/// A triangle that the plane cuts: the edges on which the section line enters and leaves.
+/// A triangle that the plane cuts: the edges where the section enters and leaves it.
 struct Cut {
     enter: [u32; 2],
     leave: [u32; 2],
@@ -33,7 +35,7 @@ pub(super) fn loops(mesh: &Mesh, axes: [[f64; 3]; 2]) -> Vec<Vec<[f64; 2]>> {
         while !is_done[at] {
             is_done[at] = true;
             line.push(crossing(mesh, axes, &heights, cuts[at].enter));
-            // The surface is closed: the triangle beyond is cut too.
+            // The surface is closed, so the triangle beyond is cut too.
             let Ok(next) = cuts.binary_search_by_key(&cuts[at].leave, |cut| cut.enter) else { break };
             at = next;
         }
@@ -42,7 +44,8 @@ pub(super) fn loops(mesh: &Mesh, axes: [[f64; 3]; 2]) -> Vec<Vec<[f64; 2]>> {
     loops
 }
 
-/// In a triangle seen from outside one edge goes up through the plane and one goes down; for its neighbours the directions are reversed.
+/// In a triangle seen from outside, one edge goes up through the plane and one goes down; in its neighbours the
+/// directions are reversed.
 fn cut(triangle: [u32; 3], heights: &[f64]) -> Option<Cut> {
     let is_above = |vertex: u32| heights[vertex as usize] >= 0.0;
     let through =
@@ -51,7 +54,7 @@ fn cut(triangle: [u32; 3], heights: &[f64]) -> Option<Cut> {
     Some(Cut { enter: sorted(through(true)?), leave: sorted(through(false)?) })
 }
 
-/// Where an edge, its lower vertex first, meets the plane.
+/// The point where an edge, its lower vertex first, meets the plane.
 fn crossing(mesh: &Mesh, axes: [[f64; 3]; 2], heights: &[f64], [from, to]: [u32; 2]) -> [f64; 2] {
     let [from, to] = [from as usize, to as usize];
     let share = heights[from] / (heights[from] - heights[to]);
@@ -61,7 +64,7 @@ fn crossing(mesh: &Mesh, axes: [[f64; 3]; 2], heights: &[f64], [from, to]: [u32;
     })
 }
 
-/// A line without repeated points, counter-clockwise; none if it encloses nothing.
+/// A polyline without repeated points, counter-clockwise; `None` if it encloses nothing.
 fn tidied(mut line: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
     line.dedup();
     while line.len() > 1 && line.first() == line.last() {

@@ -1,20 +1,20 @@
-//! STL files: detection of the format, and the triangles.
+//! STL files: format detection and triangles.
 //!
-//! Input: bytes. Output: the corners of triangles, or the canonical text of a mesh. Promise: a file is binary exactly if its length
-//! matches its count of triangles, whatever its header begins with; nothing is allocated for a count beyond the file's length.
-//! Normals and attributes are not used: they follow from the corners, and are often wrong.
+//! Input: bytes. Output: the corners of triangles, or the canonical text of a mesh. Promise: a file is binary exactly
+//! if its length matches its triangle count, whatever its header begins with; nothing is allocated for a count that
+//! exceeds the file's length. Normals and attributes are ignored: they follow from the corners, and are often wrong.
 
 use super::{MAX_BYTES, MAX_TRIANGLES, Mesh, MeshError};
 use std::fmt::Write;
 use std::io::{Cursor, Read, Seek};
 
-/// The header of the binary format.
+/// Length of the header in the binary format.
 const HEADER_BYTES: usize = 80;
 
-/// The header and the count of triangles.
+/// Length of the header and the triangle count.
 const HEAD_BYTES: usize = HEADER_BYTES + 4;
 
-/// One triangle in the binary format.
+/// Length of one triangle in the binary format.
 const TRIANGLE_BYTES: usize = 50;
 
 /// The triangles of a file.
@@ -34,14 +34,14 @@ pub(super) fn corners(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, MeshError> {
     }
 }
 
-/// Number of triangles in a binary file, if it is one.
+/// Number of triangles in a binary file; `None` if the file is not binary.
 fn binary_count(bytes: &[u8]) -> Option<usize> {
     let count = bytes.get(HEADER_BYTES..HEAD_BYTES)?.try_into().ok().map(u32::from_le_bytes)? as usize;
     let length = count.checked_mul(TRIANGLE_BYTES)?.checked_add(HEAD_BYTES)?;
     (length == bytes.len()).then_some(count)
 }
 
-/// Text as the reader wants it: the name of the solid left out, in lower case; one solid only.
+/// The text in the form that the reader expects: one solid, without its name, in lower case.
 fn plain_text(bytes: &[u8]) -> Result<String, MeshError> {
     let wrong = |what: &str| MeshError::Format(what.to_owned());
     let is_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
@@ -73,7 +73,7 @@ fn read<R: Read + Seek>(source: &mut R) -> Result<Vec<[[f64; 3]; 3]>, MeshError>
     Ok(corners)
 }
 
-/// The shortest numbers that are read back as the same bits.
+/// Text of a mesh, with the shortest numbers that are read back as the same bits.
 pub(super) fn text(mesh: &Mesh) -> String {
     let mut text = String::from("solid mesh\n");
     for corners in mesh.corners() {

@@ -1,12 +1,12 @@
 //! Conditions for a closed surface of triangles, and its volume.
 //!
-//! Input: the corners of triangles. Output: vertices, joined where they are the same place, and triangles that face outwards. Promise:
-//! each edge belongs to two triangles that run along it in opposite directions.
+//! Input: the corners of triangles. Output: vertices, joined where they coincide, and triangles that face outwards.
+//! Promise: each edge belongs to two triangles, which traverse it in opposite directions.
 
 use super::{BLOCK, MAX_TRIANGLES, MAX_UM, Mesh, MeshError, cross, dot, minus};
 use crate::real::Real;
 
-/// Least volume, as a share of the cube round the mesh.
+/// Least volume, as a share of the volume of a cube around the mesh.
 const LEAST_VOLUME: f64 = 1e-9;
 
 pub(super) fn joined(corners_um: &[[[f64; 3]; 3]]) -> Result<Mesh, MeshError> {
@@ -16,7 +16,7 @@ pub(super) fn joined(corners_um: &[[[f64; 3]; 3]]) -> Result<Mesh, MeshError> {
     if corners_um.len() > MAX_TRIANGLES {
         return Err(MeshError::TooManyTriangles(corners_um.len()));
     }
-    // NaN is not in range either.
+    // NaN fails this test too.
     let is_sound = |corners: &[[f64; 3]; 3]| corners.iter().flatten().all(|number| number.abs() <= MAX_UM);
     if let Some(triangle) = corners_um.iter().position(|corners| !is_sound(corners)) {
         return Err(MeshError::Number { triangle });
@@ -39,7 +39,7 @@ pub(super) fn joined(corners_um: &[[[f64; 3]; 3]]) -> Result<Mesh, MeshError> {
     Ok(mesh)
 }
 
-/// Vertices in the order of their coordinates.
+/// Joins coinciding corners; the vertices are sorted by their coordinates.
 fn indexed(corners_um: &[[[f64; 3]; 3]]) -> Mesh {
     // Adding 0 makes -0 and 0 the same place.
     let place = |at: usize| corners_um[at / 3][at % 3].map(|number| number + 0.0);
@@ -58,12 +58,12 @@ fn indexed(corners_um: &[[[f64; 3]; 3]]) -> Mesh {
     Mesh { vertices_um, triangles, blocks_um }
 }
 
-/// The three edges of a triangle, in its direction.
+/// The three edges of a triangle, in its orientation.
 pub(super) fn edges([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// That each edge is run along once in each direction.
+/// Checks that each edge is traversed once in each direction.
 fn closed(mesh: &Mesh) -> Result<(), MeshError> {
     let mut all: Vec<([u32; 2], bool)> = Vec::with_capacity(3 * mesh.triangles.len());
     for [from, to] in mesh.triangles.iter().flat_map(|triangle| edges(*triangle)) {
@@ -88,7 +88,7 @@ fn closed(mesh: &Mesh) -> Result<(), MeshError> {
     }
 }
 
-/// Tetrahedra from one vertex to all triangles, with their signs.
+/// Sums the signed tetrahedra from one vertex to all triangles.
 pub(super) fn volume_and_centre(mesh: &Mesh) -> (f64, [f64; 3]) {
     let apex = mesh.vertices_um[0];
     let (mut volume, mut moment) = (0.0, [0.0; 3]);
@@ -101,7 +101,7 @@ pub(super) fn volume_and_centre(mesh: &Mesh) -> (f64, [f64; 3]) {
     (volume, [0, 1, 2].map(|axis| apex[axis] + moment[axis] / volume))
 }
 
-/// Bounding box of some places: the least and the greatest coordinates.
+/// Bounding box of some points: the least and the greatest coordinates.
 pub(super) fn bounds(places_um: impl Iterator<Item = [f64; 3]>) -> [[f64; 3]; 2] {
     places_um.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], place| {
         [[0, 1, 2].map(|axis| low[axis].min(place[axis])), [0, 1, 2].map(|axis| high[axis].max(place[axis]))]
@@ -114,7 +114,8 @@ pub(super) fn box_square([low, high]: [[f64; 3]; 2], point: [f64; 3]) -> f64 {
     off(0) + off(1) + off(2)
 }
 
-/// The square of the distance of a point from a triangle: from its plane if the foot is inside, otherwise from the nearest side.
+/// The square of the distance of a point from a triangle: from its plane if the foot is inside, otherwise from the
+/// nearest side.
 pub(super) fn square([a, b, c]: [[f64; 3]; 3], point: [f64; 3]) -> f64 {
     let normal = cross(minus(b, a), minus(c, a));
     let is_inside = |from: [f64; 3], to: [f64; 3]| dot(cross(minus(to, from), minus(point, from)), normal) >= 0.0;

@@ -1,4 +1,4 @@
-//! Meshes made here, whole and damaged.
+//! Meshes built here, intact and damaged.
 
 use super::*;
 use crate::geometry::outline::{Curve, Outline};
@@ -8,18 +8,18 @@ use std::f64::consts::{PI, TAU};
 
 type Corners = Vec<[[f64; 3]; 3]>;
 
-/// The section plane through x and y, and that through x and z.
+/// The section planes xy and xz.
 const XY: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 const XZ: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]];
 
-/// An icosahedron with its faces cut into four, several times, all vertices at distance 1.
+/// An icosahedron whose faces are split into four several times; all vertices are at distance 1.
 fn icosphere(cuts: usize) -> Corners {
     let g = f64::midpoint(1.0, 5.0_f64.sqrt());
     let mut vertices: Vec<[f64; 3]> = Vec::new();
     for (a, b) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
         vertices.extend([[0.0, a, b], [a, b, 0.0], [b, 0.0, a]]);
     }
-    // The faces are the triples of neighbours, which lie 2 apart.
+    // The faces are the triples of neighbouring vertices, which are 2 apart.
     let near = |a: [f64; 3], b: [f64; 3]| (dot(minus(a, b), minus(a, b)) - 4.0).abs() < 1e-9;
     let mut faces: Corners = Vec::new();
     for (i, a) in vertices.iter().enumerate() {
@@ -106,7 +106,7 @@ fn a_ball_has_its_volume_centre_and_sections() {
     assert_eq!(ball.placed([1.0, 2.0, 20.0], 1.0).unwrap().section(XY), Err(MeshError::NoSection));
 }
 
-/// Both sections of an icosphere about the origin run through vertices and along edges.
+/// Both sections of an icosphere around the origin pass through vertices and along edges.
 #[test]
 fn vertices_on_the_plane_are_no_trouble() {
     for cuts in 0..5 {
@@ -121,7 +121,7 @@ fn vertices_on_the_plane_are_no_trouble() {
                 let (one, other) = ([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]]);
                 (one[0] * other[1] - one[1] * other[0]).atan2(one[0] * other[0] + one[1] * other[1])
             });
-            // Convex and once round.
+            // Convex, and exactly one turn.
             let turns: Vec<f64> = turns.collect();
             assert!(turns.iter().all(|turn| *turn > -1e-9), "{turns:?}");
             assert!((turns.iter().sum::<f64>() - TAU).abs() < 1e-9);
@@ -158,7 +158,7 @@ fn a_box_is_exact() {
     ] {
         assert!((mesh.distance_um(point) - distance).abs() < 1e-12, "{point:?} {}", mesh.distance_um(point));
     }
-    // Resting on the plane it is not cut; hanging from it, it is.
+    // A mesh that rests on the plane is not cut; one that hangs from it is.
     assert_eq!(mesh.placed([0.0, 0.0, -1.0], 1.0).unwrap().section(XY), Err(MeshError::NoSection));
     assert!(mesh.placed([0.0, 0.0, 3.0], 1.0).unwrap().section(XY).is_ok());
     let thousand = mesh.placed([1.0; 3], 1e3).unwrap();
@@ -166,7 +166,8 @@ fn a_box_is_exact() {
     assert_eq!(mesh.placed([0.0; 3], 1e9), Err(MeshError::Number { triangle: 0 }));
 }
 
-/// The distance from a fine grid of places on each triangle is hardly more than the reported one, and never less.
+/// The smallest distance to a fine grid of points on each triangle is slightly more than the reported one, and never
+/// less.
 #[test]
 fn distances_are_those_of_brute_force() {
     let mesh = Mesh::of(&scaled(&icosphere(3), [9.0, 7.0, 5.0])).unwrap();
@@ -225,7 +226,7 @@ fn what_is_no_surface_is_refused() {
         Mesh::of(&flat),
         Err(MeshError::ZeroArea { .. } | MeshError::Tangled { .. } | MeshError::NoVolume)
     ));
-    // Two triangles back to back: closed, and nothing inside.
+    // Two triangles back to back: closed, but without volume.
     let [a, b, c] = corners[0];
     assert_eq!(Mesh::of(&[[a, b, c], [a, c, b]]), Err(MeshError::NoVolume));
     let many = vec![corners[0]; MAX_TRIANGLES + 1];
@@ -267,11 +268,11 @@ fn several_loops_are_told() {
     two.extend(moved(&scaled(&icosphere(2), [5.0; 3]), [20.0, 0.0, 0.0]));
     let two = Mesh::of(&two).unwrap();
     assert_eq!(two.section(XY), Err(MeshError::SeveralLoops(2)));
-    // A box that only stands on the plane beside a ball that is cut leaves nothing there.
+    // A box that stands on the plane, beside a ball that is cut, adds nothing to the section.
     let mut beside = scaled(&icosphere(2), [5.0; 3]);
     beside.extend(cuboid([10.0, 0.0, 0.0], [12.0, 2.0, 2.0]));
     assert!(Mesh::of(&beside).unwrap().section(XY).is_ok());
-    // So does the tip of one that hangs below.
+    // Neither does the tip of an icosahedron that hangs below the plane.
     let mut below = scaled(&icosphere(2), [5.0; 3]);
     let tip = Mesh::of(&icosphere(0)).unwrap().bounds_um()[1][2];
     below.extend(moved(&icosphere(0), [10.0, 0.0, -tip]));
@@ -346,6 +347,6 @@ fn damaged_bytes_never_panic() {
         let noise: Vec<u8> = (0..dice.below(300)).map(|_| dice.next_u64() as u8).collect();
         drop(Mesh::read(&noise));
     }
-    // The damage was of many kinds.
+    // The damage was of several kinds.
     assert!(reported.len() >= 4, "{reported:?}");
 }

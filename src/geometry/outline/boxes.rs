@@ -1,7 +1,8 @@
-//! Tree of boxes round the stretches of a curve, for queries of nearby stretches.
+//! Bounding-box tree over the stretches of a curve, for queries of nearby stretches.
 //!
-//! Input: the stretches and their nodes. Output: the stretches near a point, nearest first, and two stretches whose chords meet.
-//! Promise: no relevant stretch is left out; a query for a point costs about the logarithm of the number of stretches.
+//! Input: the stretches and their nodes. Output: the stretches near a point, nearest first, and two stretches whose
+//! chords meet. Promise: no relevant stretch is missed; a query for a point costs about the logarithm of the number
+//! of stretches.
 
 use super::follow::FollowedCurve;
 use super::jet::{cross, dot, minus};
@@ -34,7 +35,8 @@ impl CoordinateBounds {
     }
 }
 
-/// A binary tree over the stretches in their order: the children of i are 2 i and 2 i + 1, stretch s is the leaf `leaves` + s.
+/// A binary tree over the stretches in order: the children of node i are 2 i and 2 i + 1; stretch s is the leaf
+/// `leaves` + s.
 #[derive(Debug, Clone)]
 pub(super) struct StretchBoxes {
     bounds: Vec<CoordinateBounds>,
@@ -58,7 +60,7 @@ impl StretchBoxes {
         StretchBoxes { bounds, leaves }
     }
 
-    /// Asks stretches for the square of their distance, as long as one may be nearer than the best.
+    /// Calls `square` for stretches, to get the square of their distance, as long as one may be nearer than the best.
     pub fn nearest(&self, point: [f64; 2], mut square: impl FnMut(usize, f64) -> f64) {
         let mut best = f64::INFINITY;
         let mut open = vec![(1, self.bounds[1].square(point))];
@@ -78,7 +80,7 @@ impl StretchBoxes {
         }
     }
 
-    /// Two stretches that are no neighbours and whose chords meet.
+    /// Two stretches that are not neighbours and whose chords meet.
     pub fn crossing(&self, course: &FollowedCurve) -> Option<[usize; 2]> {
         let count = course.stretches.len();
         let chord = |at: usize| [course.points_um[at], course.points_um[at + 1]];

@@ -1,15 +1,16 @@
-//! Cuts an outline into short stretches on which arc length and parameter are polynomials of one another.
+//! Cuts an outline into short stretches on which arc length and parameter are polynomials of each other.
 //!
-//! Input: a form and where to begin. Output: the stretches in order, with the arc length and the turn of the normal at each node. Promise:
-//! on a stretch the arc length is correct to [`WAY_UM`], the tangent turns by at most [`MAX_TURN_RAD`], and the curve stays within `sag` of
-//! the chord. Lengths are integrals by Gauss' rule with eight points; a stretch is halved until halves agree with the whole.
+//! Input: a form and where to begin. Output: the stretches in order, with the arc length and the angle of the normal
+//! at each node. Promise: on a stretch the arc length is correct to [`WAY_UM`], the tangent turns by at most
+//! [`MAX_TURN_RAD`], and the curve stays within `sag` of the chord. Lengths are integrals by eight-point Gauss
+//! quadrature; a stretch is halved until the halves agree with the whole.
 
 use super::OutlineError;
 use super::form::{OutlineForm, PieceParameter};
 use super::jet::{Jet, cross, dot, minus, norm};
 use crate::real::Real;
 
-/// Greatest error of the path along one stretch.
+/// Greatest error of the arc length along one stretch.
 const WAY_UM: f64 = 1e-9;
 
 /// Greatest error of the length of one stretch.
@@ -21,16 +22,16 @@ const MAX_TURN_RAD: f64 = 0.1;
 /// Greatest number of halvings of a piece.
 const MAX_DEPTH: u32 = 36;
 
-/// Greatest number of stretches of a curve of few pieces.
+/// Greatest number of stretches of a curve, besides those per piece.
 const MAX_STRETCHES: usize = 1 << 12;
 
-/// Greatest number of stretches per piece, if there are many: smooth outlines take two or three of them.
+/// Additional stretches per piece: smooth outlines need two or three of them.
 const STRETCHES_PER_PIECE: usize = 8;
 
-/// Number of places at which the direction of a piece is evaluated before it is followed.
+/// Number of points at which the direction of a piece is sampled before it is followed.
 const LOOKS: u32 = 4;
 
-/// The upper half of the nodes and weights of Gauss' rule with eight points.
+/// The positive nodes of the eight-point Gauss rule, with their weights.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -38,12 +39,12 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
 
-/// A polynomial of degree five on 0 to 1.
+/// A polynomial of degree five on [0, 1].
 #[derive(Debug, Clone, Copy)]
 struct Quintic([f64; 6]);
 
 impl Quintic {
-    /// From value, slope and second derivative at both ends.
+    /// Interpolates value, slope and second derivative at both ends.
     fn between(from: [f64; 3], to: [f64; 3]) -> Quintic {
         let value = to[0] - from[0] - from[1] - from[2] / 2.0;
         let slope = to[1] - from[1] - from[2];
@@ -70,24 +71,24 @@ pub(super) struct CurveStretch {
     pub length_um: f64,
     /// Greatest distance of the curve from the chord.
     pub sag_um: f64,
-    /// Parameter share as a polynomial of the arc-length share, and vice versa.
+    /// Parameter as a polynomial of arc length, and vice versa, both as shares of the stretch.
     share_by_way: Quintic,
     share_by_t: Quintic,
 }
 
 impl CurveStretch {
-    /// The parameter at an arc length from its beginning.
+    /// The parameter at an arc length from the beginning of the stretch.
     pub fn t(&self, way_um: f64) -> f64 {
         self.from_t + (self.to_t - self.from_t) * self.share_by_way.at(way_um / self.length_um)
     }
 
-    /// The arc length from its beginning at a parameter.
+    /// The arc length from the beginning of the stretch at a parameter.
     pub fn way_um(&self, t: f64) -> f64 {
         self.length_um * self.share_by_t.at((t - self.from_t) / (self.to_t - self.from_t))
     }
 }
 
-/// Sums over a stretch of parameters, with the weights of Gauss' rule.
+/// Calls `sum` with the nodes and weights of the Gauss rule on a parameter interval.
 pub(super) fn gauss(from: f64, to: f64, mut sum: impl FnMut(f64, f64)) {
     let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
     for (node, weight) in GAUSS {
@@ -102,17 +103,18 @@ fn length(form: &OutlineForm, piece: usize, from: f64, to: f64) -> f64 {
     sum
 }
 
-/// Turn from one direction to another.
+/// Angle from one direction to another.
 pub(super) fn turn(from: [f64; 2], to: [f64; 2]) -> f64 {
     cross(from, to).arc_tangent_over(dot(from, to))
 }
 
-/// The stretches of a curve and its nodes; there is one node more than there are stretches, and the last one coincides with the first.
+/// The stretches of a curve and its nodes; there is one more node than stretches, and the last node coincides with
+/// the first.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FollowedCurve {
     pub stretches: Vec<CurveStretch>,
     pub ways_um: Vec<f64>,
-    /// The direction of the outward normal, running on.
+    /// The direction of the outward normal, continuous along the curve.
     pub turns_rad: Vec<f64>,
     pub points_um: Vec<[f64; 2]>,
     /// Unit tangents.
@@ -120,7 +122,7 @@ pub(super) struct FollowedCurve {
 }
 
 impl FollowedCurve {
-    /// Follows a form once round from a parameter of a piece.
+    /// Follows a form for one lap, from a parameter of a piece.
     pub fn of(form: &OutlineForm, begin: PieceParameter) -> Result<FollowedCurve, OutlineError> {
         let mut course = FollowedCurve::default();
         let most = MAX_STRETCHES + STRETCHES_PER_PIECE * form.pieces();
@@ -172,7 +174,7 @@ fn is_sound(jet: &Jet) -> bool {
     speed.is_finite() && speed > 1e-12
 }
 
-/// The smooth parts of the pieces, from a beginning once round.
+/// The smooth parts of the pieces, for one lap from a beginning.
 fn spans(form: &OutlineForm, begin: PieceParameter) -> Vec<(usize, f64, f64)> {
     let pieces = form.pieces();
     let mut spans = Vec::new();
@@ -193,7 +195,8 @@ fn spans(form: &OutlineForm, begin: PieceParameter) -> Vec<(usize, f64, f64)> {
     spans
 }
 
-/// Where a curve turns most, if it surely turns more than that many stretches may: to follow such a one to the last of them takes long.
+/// The point where a curve turns most sharply, if it certainly turns more than `most` stretches allow: following such
+/// a curve until they run out would take long.
 fn too_rough(form: &OutlineForm, spans: &[(usize, f64, f64)], most: usize) -> Option<[f64; 2]> {
     let (mut all_rad, mut sharpest) = (0.0, (0.0, None));
     for &(piece, from, to) in spans {
@@ -211,7 +214,7 @@ fn too_rough(form: &OutlineForm, spans: &[(usize, f64, f64)], most: usize) -> Op
     sharpest.1.filter(|_| all_rad > MAX_TURN_RAD * most as f64)
 }
 
-/// The stretch between two parameters, unless it must be halved.
+/// The stretch between two parameters; `None` if it must be halved.
 fn measured(
     form: &OutlineForm,
     piece: usize,

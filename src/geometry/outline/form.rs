@@ -1,7 +1,8 @@
-//! The formulas of outlines: a point and its two derivatives by a parameter.
+//! The formulas of outlines: a point and its first two derivatives by a parameter.
 //!
-//! Input: an [`Outline`](super::Outline) whose numbers are in range. Output: an [`OutlineForm`], which is made of pieces; within a piece it is
-//! smooth. Promise: pieces follow one another counter-clockwise and without gaps; no parameter makes it panic.
+//! Input: an [`Outline`](super::Outline) whose numbers are in range. Output: an [`OutlineForm`], made of pieces, each
+//! of them smooth. Promise: pieces follow one another counter-clockwise and without gaps; no parameter causes a
+//! panic.
 
 use super::jet::Jet;
 use super::spline::Cubic;
@@ -27,16 +28,17 @@ pub(super) struct PieceParameter {
 pub(super) enum OutlineForm {
     /// One piece; the parameter is the eccentric anomaly.
     Ellipse { semi: [f64; 2] },
-    /// One piece; the parameter is the angle in the square of which the semi-axes are halves.
+    /// One piece; the parameter is the polar angle before scaling by the semi-axes.
     Superellipse { semi: [f64; 2], exponent: f64 },
-    /// Lines and arcs with their lengths; each one's parameter begins at 0.
+    /// Lines and arcs with their lengths; the parameter of each begins at 0.
     Parts { parts: Vec<(OutlineArc, f64)> },
-    /// Each piece's parameter begins at 0.
+    /// The parameter of each piece begins at 0.
     Spline { cubics: Vec<Cubic> },
 }
 
 impl OutlineForm {
-    /// A rectangle with round corners, from where the x axis leaves it on its right side; parts without length are left out.
+    /// A rectangle with rounded corners, from where the x axis leaves its right side; parts without length are left
+    /// out.
     pub fn rounded(half: [f64; 2], radius_um: f64, [x, y]: [f64; 2]) -> OutlineForm {
         let [a, b] = [half[0] - radius_um, half[1] - radius_um];
         let line = |from, along, length| (OutlineArc::Line { from, along }, length);
@@ -58,7 +60,8 @@ impl OutlineForm {
         OutlineForm::Parts { parts: all.into_iter().filter(|(_, length)| *length > 0.0).collect() }
     }
 
-    /// The piece of a rectangle's parts that the negative x axis meets, and its parameter there; `None` where that is half way round.
+    /// The part of a rectangle that the negative x axis meets, and the parameter there; `None` if that is exactly
+    /// half way around.
     pub fn opposite_part(parts: &[(OutlineArc, f64)]) -> Option<PieceParameter> {
         let meets = |(piece, (part, length)): (usize, &(OutlineArc, f64))| match part {
             OutlineArc::Line { from: [_, y], along: [_, down] } if *down < 0.0 => {
@@ -66,7 +69,7 @@ impl OutlineForm {
             }
             OutlineArc::Line { .. } | OutlineArc::Arc { .. } => None,
         };
-        // The left side is cut at its middle.
+        // The left side is split at its middle.
         parts.iter().enumerate().find_map(meets).filter(|place| place.t < parts[place.piece].1)
     }
 
@@ -79,7 +82,7 @@ impl OutlineForm {
         }
     }
 
-    /// The parameter range of a piece, cut where it may be less smooth.
+    /// The parameter range of a piece, with cuts where it may be less smooth.
     pub fn cuts(&self, piece: usize) -> Vec<f64> {
         match self {
             OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } => {
@@ -90,7 +93,7 @@ impl OutlineForm {
         }
     }
 
-    /// Whether it can meet itself.
+    /// Whether it can intersect itself.
     pub fn may_cross(&self) -> bool {
         match self {
             OutlineForm::Ellipse { .. } | OutlineForm::Superellipse { .. } | OutlineForm::Parts { .. } => false,
@@ -124,7 +127,8 @@ fn part(part: &OutlineArc, t: f64) -> Jet {
     }
 }
 
-/// r(φ) = (|cos φ|^n + |sin φ|^n)^(-1/n), drawn out by the semi-axes; unlike the usual parameter it stays smooth on the axes.
+/// r(φ) = (|cos φ|^n + |sin φ|^n)^(-1/n), scaled by the semi-axes; unlike the usual parametrisation it is smooth on
+/// the axes.
 fn superellipse(semi: [f64; 2], n: f64, t: f64) -> Jet {
     let (s, c) = t.sine_cosine();
     let [c_low, s_low] = [c.abs().power(n - 2.0), s.abs().power(n - 2.0)];

@@ -1,8 +1,8 @@
-//! A point of a curve with two derivatives, and the vectors of the plane that these are.
+//! A point of a curve with its first two derivatives, and vector operations in the plane.
 
 use crate::real::Real;
 
-/// A point with its derivatives by the parameter.
+/// A point with its first two derivatives by the parameter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Jet {
     pub point: [f64; 2],
@@ -24,7 +24,7 @@ impl Jet {
         cross(self.first, self.second) / self.speed().whole_power(3)
     }
 
-    /// How fast the speed grows.
+    /// The derivative of the speed.
     pub fn haste(&self) -> f64 {
         dot(self.first, self.second) / self.speed()
     }

@@ -1,7 +1,8 @@
-//! Closed smooth outlines in the plane: their forms, and places, normals and curvatures by path length along them.
+//! Closed smooth outlines in the plane: their forms, and points, normals and curvatures along them by arc length.
 //!
-//! Input: an [`Outline`] in micrometres. Output: a [`Curve`], parametrised counter-clockwise by arc length, which begins where the
-//! positive x axis leaves it for good. Promise: arc lengths, normals and curvatures agree with one another to [`PRECISION_UM`].
+//! Input: an [`Outline`] in micrometres. Output: a [`Curve`], parametrised counter-clockwise by arc length, which
+//! begins at the outermost point on the positive x axis. Promise: arc lengths, normals and curvatures agree with one
+//! another to [`PRECISION_UM`].
 
 mod boxes;
 mod follow;
@@ -21,7 +22,7 @@ pub use resample::{MAX_POLYGON, MAX_SMOOTHED};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Greatest error of a [`Curve`] relative to its outline.
+/// Greatest error of a [`Curve`] relative to its outline, in micrometres.
 pub const PRECISION_UM: f64 = 1e-6;
 
 /// Fewest points of a spline.
@@ -30,22 +31,22 @@ pub const MIN_POINTS: usize = 4;
 /// Greatest number of points of a spline.
 pub const MAX_POINTS: usize = 4096;
 
-/// Greatest coordinate or semi-axis.
+/// Greatest coordinate or semi-axis, in micrometres.
 pub const MAX_UM: f64 = 1e6;
 
-/// Least mean thickness of an outline, in micrometres: twice its area over its perimeter.
+/// Least mean thickness of an outline, in micrometres: twice its area divided by its perimeter.
 pub const MIN_THICKNESS_UM: f64 = 0.001;
 
-/// How far inside of an outline the origin lies at least, in micrometres: far above what two geometries differ by.
+/// Least depth of the origin inside an outline, in micrometres: far above the difference between the two geometries.
 pub const MIN_INSIDE_UM: f64 = 1e-6;
 
-/// Least semi-axis, half width or radius of a corner.
+/// Least semi-axis, half width or corner radius, in micrometres.
 pub const MIN_UM: f64 = 1e-3;
 
-/// The exponents of superellipses.
+/// Range of the exponents of superellipses.
 pub const EXPONENTS: [f64; 2] = [2.0, 10.0];
 
-/// A closed smooth outline round the origin, in micrometres.
+/// A closed smooth outline around the origin, in micrometres.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outline {
@@ -53,7 +54,8 @@ pub enum Outline {
     Ellipse { semi_um: [f64; 2] },
     /// |x/a|^n + |y/b|^n = 1, n from 2 to 10.
     Superellipse { semi_um: [f64; 2], exponent: f64 },
-    /// Half widths along x and y, the radius of the corners, and the middle; the x axis leaves it through its right side, not through a corner.
+    /// Half widths along x and y, the corner radius, and the centre; the x axis leaves it through its right side, not
+    /// through a corner.
     RoundedRectangle {
         half_um: [f64; 2],
         radius_um: f64,
@@ -68,17 +70,17 @@ fn is_origin(point_um: &[f64; 2]) -> bool {
     *point_um == [0.0; 2]
 }
 
-/// The curve at an arc length.
+/// A point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
     pub point_um: [f64; 2],
-    /// The direction of the outward normal; it grows by 2π once round, and falls where the outline is concave.
+    /// The direction of the outward normal; it grows by 2π per lap, and decreases where the outline is concave.
     pub normal_rad: f64,
     /// Positive where the outline is convex.
     pub curvature_per_um: f64,
 }
 
-/// The place of an outline that is nearest to a point.
+/// The point of an outline that is nearest to a given point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest {
     pub way_um: f64,
@@ -86,20 +88,21 @@ pub struct Nearest {
     pub distance_um: f64,
 }
 
-/// Why an outline cannot be followed.
+/// Reason why an outline cannot be followed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum OutlineError {
     /// A number that is not finite, too large, or out of the range that its form allows.
     Number,
-    /// Fewer points than a spline needs.
+    /// A spline has too few points.
     TooFewPoints(usize),
-    /// More points than are taken.
+    /// A spline or a polyline has too many points.
     TooManyPoints(usize),
-    /// Two neighbours are one place; the index of the first.
+    /// Two neighbouring points coincide; the index of the first.
     RepeatedPoint(usize),
     /// It encloses no area.
     NoArea,
-    /// It is thinner than [`MIN_THICKNESS_UM`] on average: a line more than an outline, which cannot be followed reliably.
+    /// Its mean thickness is below [`MIN_THICKNESS_UM`]: more a line than an outline, which cannot be followed
+    /// reliably.
     Thin,
     /// It intersects itself at these two arc lengths.
     Crossing { ways_um: [f64; 2] },
@@ -109,7 +112,7 @@ pub enum OutlineError {
     OffOrigin,
 }
 
-/// An outline made ready for questions.
+/// An outline prepared for queries.
 #[derive(Debug, Clone)]
 pub struct Curve {
     form: OutlineForm,
@@ -124,7 +127,7 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// Makes an outline ready.
+    /// Prepares an outline.
     ///
     /// # Errors
     /// See [`OutlineError`].
@@ -175,7 +178,7 @@ impl Curve {
         Ok(curve)
     }
 
-    /// Once round.
+    /// The length of one lap.
     pub fn perimeter_um(&self) -> f64 {
         through(Fault::Perimeter, self.perimeter_um)
     }
@@ -185,17 +188,18 @@ impl Curve {
         self.reach_um
     }
 
-    /// The area that it encloses, in square micrometres.
+    /// The enclosed area, in square micrometres.
     pub fn area_um2(&self) -> f64 {
         self.area_um2
     }
 
-    /// The centre of the area that it encloses.
+    /// The centroid of the enclosed area.
     pub fn centre_um(&self) -> [f64; 2] {
         self.centre_um
     }
 
-    /// The place at an arc length, which may exceed the perimeter or be negative (laps). The normal's angle counts laps too.
+    /// The point at an arc length, which may exceed the perimeter or be negative (laps). The normal's angle counts
+    /// laps too.
     pub fn spot(&self, way_um: f64) -> CurvePoint {
         let laps = (way_um / self.perimeter_um).floor();
         let way_um = way_um - laps * self.perimeter_um;
@@ -209,14 +213,14 @@ impl Curve {
         }
     }
 
-    /// The stretch and the parameter at an arc length within the first lap.
+    /// The stretch at an arc length within the first lap, and the parameter in it.
     fn place(&self, way_um: f64) -> (usize, f64) {
         let ways_um = &self.course.ways_um;
         let at = ways_um.partition_point(|way| *way <= way_um).saturating_sub(1).min(self.course.stretches.len() - 1);
         (at, self.course.stretches[at].t(way_um - ways_um[at]))
     }
 
-    /// The place nearest to a point; its arc length is in the first lap.
+    /// The point nearest to a given one; its arc length is in the first lap.
     pub fn nearest(&self, point_um: [f64; 2]) -> Nearest {
         let mut found = NearestPlace { square: f64::INFINITY, way_um: 0.0, sign: f64::NAN };
         if point_um.iter().all(|number| number.is_finite()) {
@@ -230,7 +234,7 @@ impl Curve {
         Nearest { way_um: found.way_um, distance_um: through(Fault::Outline, found.square.sqrt() * found.sign) }
     }
 
-    /// Whether the chord is near enough that the stretch may hold a nearer place.
+    /// Whether the chord is near enough that the stretch may contain a nearer point.
     fn may_be_nearer(&self, at: usize, point_um: [f64; 2], square: f64) -> bool {
         let [a, b] = [self.course.points_um[at], self.course.points_um[at + 1]];
         let (chord, off) = (minus(b, a), minus(point_um, a));
@@ -240,12 +244,12 @@ impl Curve {
         dot(gap, gap) <= reach * reach
     }
 
-    /// Derivative of half the squared distance by arc length at a node.
+    /// Derivative of half the squared distance with respect to arc length, at a node.
     fn slope(&self, node: usize, point_um: [f64; 2]) -> f64 {
         dot(minus(self.course.points_um[node], point_um), self.course.tangents[node])
     }
 
-    /// The place of a stretch nearest to a point.
+    /// The point of a stretch nearest to a given one.
     fn foot(&self, at: usize, point_um: [f64; 2]) -> Option<NearestPlace> {
         let stretch = &self.course.stretches[at];
         let slopes = [self.slope(at, point_um), self.slope(at + 1, point_um)];
@@ -261,7 +265,8 @@ impl Curve {
         square.is_finite().then_some(NearestPlace { square, way_um: self.course.ways_um[at + node], sign })
     }
 
-    /// Newton's method for where the gap is perpendicular to the curve, kept between two slopes of different sign.
+    /// Newton's method for the point where the connection is perpendicular to the curve, bracketed by two slopes of
+    /// opposite sign.
     fn perpendicular(&self, at: usize, point_um: [f64; 2], begin: f64) -> NearestPlace {
         let stretch = &self.course.stretches[at];
         let (mut low, mut high, mut t) = (stretch.from_t, stretch.to_t, begin);
@@ -288,14 +293,15 @@ impl Curve {
         NearestPlace { square: dot(gap, gap), way_um: self.course.ways_um[at] + stretch.way_um(t), sign }
     }
 
-    /// Turn of the object while a tip rolls from arc length 0 to `way_um`: the integral of κ + 1/l2, which is the turn of the normal
-    /// plus the arc length over the tip's radius.
+    /// Rotation of the object while a tip rolls from arc length 0 to `way_um`: the integral of κ + 1/l2, which is the
+    /// rotation of the normal plus the arc length over the tip's radius.
     pub fn rolled_rad(&self, way_um: f64, tip_radius_um: f64) -> f64 {
         through(Fault::Rolled, self.spot(way_um).normal_rad - self.course.turns_rad[0] + way_um / tip_radius_um)
     }
 
-    /// The arc length at which a tip has rolled this far; the inverse of [`Curve::rolled_rad`], for tips that reach everywhere (κ > -1/l2).
-    /// For others it is one of several solutions, or an arbitrary number if there is none.
+    /// The arc length at which a tip has rolled by this angle: the inverse of [`Curve::rolled_rad`], for tips that
+    /// reach every point (κ > -1/l2). For other tips it is one of several solutions, or an arbitrary number if there
+    /// is none.
     pub fn way_rolled_um(&self, rolled_rad: f64, tip_radius_um: f64) -> f64 {
         let once_rad = TAU + self.perimeter_um / tip_radius_um;
         let laps = (rolled_rad / once_rad).floor();
@@ -328,17 +334,18 @@ impl Curve {
         through(Fault::WayRolled, way_um + laps * self.perimeter_um)
     }
 
-    /// The arc length at which the negative x axis meets it, farthest out.
+    /// The arc length of the outermost point on the negative x axis.
     pub fn opposite_um(&self) -> f64 {
         self.opposite_um
     }
 
-    /// The least signed curvature.
+    /// The least signed curvature, per micrometre.
     pub fn least_curvature_per_um(&self) -> f64 {
         self.least_curvature_per_um
     }
 
-    /// The least value along the curve: that of a node that is less than its neighbours, improved by the golden section on both sides.
+    /// The least value along the curve: each local minimum among the nodes is refined by golden-section search on
+    /// both sides.
     fn least(&self, value: impl Fn(&CurvePoint) -> f64) -> f64 {
         let ways_um = &self.course.ways_um;
         let count = self.course.stretches.len();
@@ -365,28 +372,28 @@ impl Curve {
     }
 }
 
-/// Greatest number of steps of Newton's method, halvings among them.
+/// Greatest number of Newton steps, bisections included.
 const MAX_ITERATIONS: usize = 60;
 
-/// Newton's method ends when it moves by less.
+/// Step size below which Newton's method ends.
 const NEWTON_UM: f64 = 1e-9;
 
 /// Number of golden-section steps in an interval.
 const SECTIONS: usize = 40;
 
-/// The smaller part of the golden section.
+/// The smaller share of the golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
-/// A place that was found near a point.
+/// A candidate for the nearest point.
 #[derive(Debug, Clone, Copy)]
 struct NearestPlace {
     square: f64,
     way_um: f64,
-    /// -1 inside.
+    /// -1 inside, 1 outside.
     sign: f64,
 }
 
-/// The formulas of an outline, all its numbers in range.
+/// The formulas of an outline, with all its numbers checked to be in range.
 fn formulas(outline: &Outline) -> Result<OutlineForm, OutlineError> {
     match outline {
         Outline::Ellipse { semi_um } => sizes(semi_um).map(|()| OutlineForm::Ellipse { semi: *semi_um }),
@@ -426,7 +433,7 @@ fn spline_form(points_um: &[[f64; 2]]) -> Result<OutlineForm, OutlineError> {
     if count > MAX_POINTS {
         return Err(OutlineError::TooManyPoints(count));
     }
-    // Not NaN either.
+    // NaN fails this test too.
     if !points_um.iter().flatten().all(|number| number.abs() <= MAX_UM) {
         return Err(OutlineError::Number);
     }
@@ -447,10 +454,11 @@ fn spline_form(points_um: &[[f64; 2]]) -> Result<OutlineForm, OutlineError> {
     Ok(OutlineForm::Spline { cubics })
 }
 
-/// Least distance of two neighbours, as a share of the whole.
+/// Least distance of two neighbouring points, as a share of the extent.
 const LEAST_GAP: f64 = 1e-9;
 
-/// Where the x axis leaves a form farthest out: where the curve begins, and the place opposite unless that is half way round.
+/// The outermost points of a form on the x axis: the beginning of the curve, and the opposite point unless that is
+/// exactly half way around.
 fn axis_places(form: &OutlineForm) -> Result<(PieceParameter, Option<PieceParameter>), OutlineError> {
     let first = PieceParameter { piece: 0, t: 0.0 };
     let cubics = match form {
@@ -472,7 +480,7 @@ fn axis_places(form: &OutlineForm) -> Result<(PieceParameter, Option<PieceParame
     }
 }
 
-/// The arc length of a place along a course.
+/// The arc length of a parameter along a curve.
 fn way_at(course: &FollowedCurve, place: PieceParameter) -> f64 {
     let off = |at: usize| {
         let stretch = &course.stretches[at];
@@ -485,7 +493,7 @@ fn way_at(course: &FollowedCurve, place: PieceParameter) -> f64 {
     nearest.map_or(f64::NAN, |at| course.ways_um[at] + course.stretches[at].way_um(place.t))
 }
 
-/// That a curve does not meet itself, and turns just once.
+/// Checks that a curve does not intersect itself and turns exactly once.
 fn uncrossed(course: &FollowedCurve, boxes: &StretchBoxes) -> Result<(), OutlineError> {
     if let Some(pair) = boxes.crossing(course) {
         return Err(OutlineError::Crossing { ways_um: pair.map(|at| course.ways_um[at]) });
@@ -497,7 +505,7 @@ fn uncrossed(course: &FollowedCurve, boxes: &StretchBoxes) -> Result<(), Outline
     Ok(())
 }
 
-/// Lays the last node on the first one.
+/// Makes the last node coincide with the first one.
 fn close(course: &mut FollowedCurve) {
     let last = course.stretches.len();
     course.turns_rad[last] = course.turns_rad[0] + TAU;

@@ -1,8 +1,9 @@
 //! Outlines from lists of points.
 //!
-//! Input: a closed polyline, from a section of a mesh, a picture or a formula. Output: a spline. Promise: linear time in the number of
-//! points, the same result every time; a smoothed outline has at most [`MAX_SMOOTHED`] points and stays, on the average over a step,
-//! within about the unevenness of the polyline, unless corners are sharper than the finest step.
+//! Input: a closed polyline, from a section of a mesh, a picture or a formula. Output: a spline. Promise: linear time
+//! in the number of points; the result is deterministic; a smoothed outline has at most [`MAX_SMOOTHED`] points and
+//! stays, averaged over a step, within about the unevenness of the polyline, unless corners are sharper than the
+//! finest step.
 
 use super::jet::{cross, dot, minus, norm};
 use super::{MAX_UM, MIN_POINTS, Outline, OutlineError, spline_form};
@@ -18,7 +19,8 @@ pub const MAX_SMOOTHED: usize = 512;
 /// Fewest points of a smoothed outline.
 const MIN_SMOOTHED: usize = 96;
 
-/// Waves shorter than the perimeter over this number are damped; the coarsest that is near enough to the polyline is taken.
+/// Cutoffs of the low-pass filter: waves shorter than the perimeter divided by this number are damped. The lowest
+/// cutoff whose outline is near enough to the polyline is used.
 const CUTOFFS: [usize; 9] = [8, 12, 16, 24, 32, 48, 64, 96, 128];
 
 /// Waves are damped by 1 / (1 + (k / cutoff)^ORDER).
@@ -30,9 +32,9 @@ const NEAR: [f64; 2] = [1e-4, 1e-2];
 impl Outline {
     /// A smooth outline along a closed polyline of up to [`MAX_POLYGON`] points, clockwise or not.
     ///
-    /// Points are spread evenly, by arc length along the polyline, and short waves are damped: those that come from its straight
-    /// sides, or from noise. The strength follows from the polyline itself: from the distance of its typical corner to the line of its
-    /// neighbours.
+    /// Points are spread evenly, by arc length along the polyline, and short waves, which come from its straight
+    /// sides or from noise, are damped. The strength follows from the polyline itself: from the distance of its
+    /// typical corner to the line through its neighbours.
     ///
     /// # Errors
     /// The fault of the points; [`Curve::of`](super::Curve::of) reports whether the outline intersects itself.
@@ -66,12 +68,12 @@ impl Outline {
     }
 }
 
-/// Neighbours of a ring, with the last and the first.
+/// Pairs of neighbours of a ring, the last with the first included.
 fn sides(ring: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> + '_ {
     (0..ring.len()).map(|at| [ring[at], ring[if at + 1 == ring.len() { 0 } else { at + 1 }]])
 }
 
-/// Half of the diagonal of the box round a ring.
+/// Half of the diagonal of a ring's bounding box.
 fn size(ring: &[[f64; 2]]) -> f64 {
     let extent = |axis: usize| {
         let of_axis = ring.iter().map(|point| point[axis]);
@@ -80,12 +82,12 @@ fn size(ring: &[[f64; 2]]) -> f64 {
     extent(0).hypotenuse(extent(1)) / 2.0
 }
 
-/// Measured from the first corner, so that a ring far from the origin loses no digits.
+/// Signed area, computed relative to the first corner, so that a ring far from the origin loses no digits.
 fn area(ring: &[[f64; 2]]) -> f64 {
     sides(ring).map(|[a, b]| cross(minus(a, ring[0]), minus(b, ring[0])) / 2.0).sum()
 }
 
-/// Median distance of a corner from the line between its neighbours.
+/// Median distance of a corner from the line through its neighbours.
 fn unevenness(ring: &[[f64; 2]]) -> f64 {
     let count = ring.len();
     let mut offs: Vec<f64> = (0..count)
@@ -100,7 +102,7 @@ fn unevenness(ring: &[[f64; 2]]) -> f64 {
     *offs.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// A closed curve as a sum of waves: for each k the factors of cos and sin, of x and y.
+/// A closed curve as a Fourier series: for each k, the factors of cos and sin for x and y.
 struct Waves(Vec<[[f64; 2]; 2]>);
 
 impl Waves {
@@ -153,7 +155,7 @@ fn smooth(ring: &[[f64; 2]], near_um: f64) -> Vec<[f64; 2]> {
     waves.points((6 * cutoff).clamp(MIN_SMOOTHED, MAX_SMOOTHED), cutoff)
 }
 
-/// The averages of the places along equal steps of arc length.
+/// The averages of the points over equal steps of arc length.
 fn averages(ring: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let perimeter: f64 = sides(ring).map(|[a, b]| norm(minus(b, a))).sum();
     let step = perimeter / MAX_SMOOTHED as f64;

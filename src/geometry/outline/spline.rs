@@ -1,8 +1,8 @@
 //! A periodic cubic spline through points.
 //!
-//! Input: at least three points, no two neighbours in one place. Output: one cubic for each point, to the next one. Promise: point,
-//! slope and second derivative are continuous all round. The parameter is the chord length, the equations are cyclic and tridiagonal
-//! and are solved with the formula of Sherman and Morrison in linear time.
+//! Input: at least three points, no two neighbours coincident. Output: one cubic for each point, to the next one.
+//! Promise: point, slope and second derivative are continuous all around. The parameter is the chord length; the
+//! equations are cyclic and tridiagonal, and are solved with the Sherman-Morrison formula in linear time.
 
 use super::jet::{Jet, cross, minus, norm};
 
@@ -24,8 +24,8 @@ impl Cubic {
         }
     }
 
-    /// Parameters where y is 0; an end on the axis counts. The next cubic begins at `end_y`, so that different rounding at
-    /// the end of this one cannot hide a root between them.
+    /// Parameters where y is 0; an end on the axis counts. The next cubic begins at `end_y`, so that different
+    /// rounding at the end of this one cannot hide a root between the two.
     pub fn roots_y(&self, end_y: f64) -> Vec<f64> {
         let y = |s: f64| if s == self.length_um { end_y } else { self.at(s).point[1] };
         let mut ends = vec![0.0];
@@ -38,14 +38,14 @@ impl Cubic {
         roots
     }
 
-    /// Where y neither grows nor falls, in order.
+    /// Parameters where the derivative of y is 0, sorted.
     fn flat_y(&self) -> Vec<f64> {
         let [_, b, c, d] = self.powers.map(|power| power[1]);
         let square = c * c - 3.0 * b * d;
         if square < 0.0 {
             return Vec::new();
         }
-        // The stable form of the quadratic formula for b + 2 c s + 3 d s².
+        // The numerically stable quadratic formula for b + 2 c s + 3 d s².
         let sum = -(c + c.signum() * square.sqrt());
         let mut roots = vec![b / sum, sum / (3.0 * d)];
         roots.retain(|root| root.is_finite());
@@ -87,13 +87,14 @@ pub(super) fn through(points: &[[f64; 2]]) -> Vec<Cubic> {
     (0..n).map(cubic).collect()
 }
 
-/// The second derivatives at the points, of one coordinate.
+/// The second derivatives of one coordinate at the points.
 fn bends(lengths: &[f64], values: &[f64]) -> Vec<f64> {
     let n = values.len();
     let before = |at: usize| if at == 0 { n - 1 } else { at - 1 };
     let slopes: Vec<f64> = (0..n).map(|at| (values[(at + 1) % n] - values[at]) / lengths[at]).collect();
     let right: Vec<f64> = (0..n).map(|at| 6.0 * (slopes[at] - slopes[before(at)])).collect();
-    // The cyclic corner entry is moved into a rank one change: A = T + u vᵗ with u = (-g, 0 … corner), v = (1, 0 … -corner / g).
+    // The cyclic corner entry becomes a rank-one update: A = T + u vᵗ with u = (-g, 0 … corner), v = (1, 0 … -corner
+    // / g).
     let corner = lengths[n - 1];
     let diagonal = |at: usize| 2.0 * (lengths[before(at)] + lengths[at]);
     let gain = diagonal(0);
@@ -126,7 +127,7 @@ fn tridiagonal(main: &[f64], side: &[f64], mut right: Vec<f64>) -> Vec<f64> {
     right
 }
 
-/// The area that cubics enclose, positive counter-clockwise; Gauss' rule with three points is exact here.
+/// The area that the cubics enclose, positive if counter-clockwise; the three-point Gauss rule is exact here.
 pub(super) fn area(cubics: &[Cubic]) -> f64 {
     let nodes = [(-0.6_f64.sqrt(), 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.6_f64.sqrt(), 5.0 / 18.0)];
     let of = |cubic: &Cubic| -> f64 {

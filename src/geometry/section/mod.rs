@@ -1,15 +1,15 @@
-//! How axis-parallel lines and rectangles meet a [`Rounded`] body.
+//! Intersections of axis-parallel lines and rectangles with a [`Rounded`] body.
 //!
-//! Input: a body and a line `y = at` (along x) or `x = at` (along y), or a rectangle. Output: the closed intervals of the line inside
-//! the body, or whether the closed rectangle touches the closed body. Promise: exact for every form up to the rounding of `f64`;
-//! the intervals of one body may overlap each other and are not sorted.
+//! Input: a body and a line `y = at` (along x) or `x = at` (along y), or a rectangle. Output: the closed intervals of
+//! the line inside the body, or whether the closed rectangle touches the closed body. Promise: exact for every form
+//! up to the rounding of `f64`; the intervals of one body may overlap each other and are not sorted.
 
 use super::distance::{Segment, edges, inside, point_segment_squared};
 use super::shape::{Core, Rounded};
 use crate::real::Real;
 use nalgebra::Point2;
 
-/// One of the two directions of the plane.
+/// One of the two axis directions of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PlaneAxis {
     /// Along x.
@@ -41,7 +41,7 @@ impl Rounded {
         Rectangle { min_um, max_um }
     }
 
-    /// Appends the closed intervals that the line along `axis` at cross coordinate `at_um` has inside the body.
+    /// Appends the closed intervals in which the line along `axis` at cross coordinate `at_um` is inside the body.
     pub fn section(&self, axis: PlaneAxis, at_um: f64, found: &mut Vec<[f64; 2]>) {
         let line = |p: Point2<f64>| match axis {
             PlaneAxis::X => [p.x, p.y - at_um],
@@ -79,7 +79,7 @@ impl Rectangle {
         gap(0).whole_power(2) + gap(1).whole_power(2)
     }
 
-    // Two convex sets that do not meet are nearest at a corner of one of them, so corners and crossings decide.
+    // Two disjoint convex sets are nearest at a corner of one of them, so corners and crossings decide.
     fn near_segment(&self, segment: Segment, reach: f64) -> bool {
         segment.iter().any(|end| self.distance_squared(end) <= reach)
             || self.crosses(segment)
@@ -111,14 +111,15 @@ impl Rectangle {
     }
 }
 
-// In the next three, a point is [along the line, offset from the line].
+// In the next three functions, a point is [along the line, offset from the line].
 fn disc_section([along, off]: [f64; 2], r: f64) -> Option<[f64; 2]> {
-    // (r − d)(r + d) keeps the digits that r² − d² would lose near a tangent.
+    // (r − d)(r + d) keeps digits that r² − d² would lose near a tangent.
     let square = (r - off.abs()) * (r + off.abs());
     (square >= 0.0).then(|| [along - square.sqrt(), along + square.sqrt()])
 }
 
-// A capsule is convex, so its section is the hull of the sections of its end discs and of its two straight sides.
+// A capsule is convex, so its section is the convex hull of the sections of its end discs and of its two straight
+// sides.
 fn capsule_section(a: [f64; 2], b: [f64; 2], r: f64) -> Option<[f64; 2]> {
     let (run, rise) = (b[0] - a[0], b[1] - a[1]);
     let length = run.hypotenuse(rise);

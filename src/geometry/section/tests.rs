@@ -68,7 +68,8 @@ fn a_slanted_capsule_is_cut_across() {
     assert_near(&merged(&body, PlaneAxis::X, 0.0), &[[-half, half]]);
 }
 
-/// Points of a line belong to the section exactly when a rectangle shrunk to the point touches the body: two independent paths.
+/// A point of a line belongs to the section exactly if a rectangle shrunk to that point touches the body: two
+/// independent computations.
 #[test]
 fn sections_and_rectangles_agree_on_points() {
     let mut stream = SplitMix64::new(7);

@@ -1,9 +1,11 @@
-//! An electrode array's plan as electrodes that are on, on a clock of its own.
+//! Lowers an electrode array's plan to electrodes that are on, on a clock of its own.
 //!
-//! Each step of the board lasts as long as the device's step does, and the electrodes of Table 2 of the paper are on for all of
-//! it: two before a micropart that moves, the target itself for a droplet. Where the device holds its parts, the electrodes
-//! that brought one to its cell stay on while it rests. An electrode that is on in one step and in the next is not switched
-//! between them. A shared channel is one switch with the name of its first electrode, on while a part needs any of them. While a reservoir makes a droplet, its pads and the electrode at its outlet are on in the frames of the device.
+//! Each step of the board has the device's step duration, and the electrodes of Table 2 of the paper are on during
+//! all of it: two ahead of a moving micropart, the target itself for a droplet. If the device holds its parts, the
+//! electrodes that brought a part to its cell stay on while it rests. An electrode that is on in two consecutive
+//! steps is not switched between them. A shared channel is one switch with the name of its first electrode, on while
+//! a part needs any of its electrodes. While a reservoir dispenses a droplet, its pads and the electrode at its
+//! outlet are on according to the frames of the device.
 
 mod operations;
 
@@ -62,7 +64,7 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
     }
 }
 
-/// What is switched, in the order in which it is written.
+/// A switched electrode or pad; the order is that of the schedule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum BoardSwitch {
     Electrode(ElectrodeCell),
@@ -78,17 +80,17 @@ impl BoardSwitch {
     }
 }
 
-/// The board while its plan is carried out.
+/// State of the board while its plan is lowered.
 struct LoweringBoard<'a> {
     order: &'a ElectrodeArrayOrder,
     run: LoweredRun,
-    /// Where each part stands; `None` for one that has merged, left, or not come yet.
+    /// The cell of each part; `None` for a part that has merged, left, or not yet come.
     cells: Vec<Option<ElectrodeCell>>,
-    /// By electrode, the first one of its channel, where it is another.
+    /// For each electrode that is not the first of its channel, the first one.
     firsts: BTreeMap<ElectrodeCell, ElectrodeCell>,
 }
 
-/// Of each electrode that is not the first of its channel, the one that is.
+/// For each electrode that is not the first of its channel, the first one.
 fn firsts(facts: &ElectrodeArrayFacts) -> BTreeMap<ElectrodeCell, ElectrodeCell> {
     let channels = facts.map.iter().flat_map(|map| map.by_channel().into_values());
     let named = |cells: Vec<ElectrodeCell>| {
@@ -99,13 +101,14 @@ fn firsts(facts: &ElectrodeArrayFacts) -> BTreeMap<ElectrodeCell, ElectrodeCell>
 }
 
 impl LoweringBoard<'_> {
-    /// All parts through their cells, one step of the board after the other; in an assay the courses tell who comes and who goes.
+    /// Moves all parts through their cells, step by step of the board; in an assay, the courses determine which parts
+    /// come and go.
     fn follow(&mut self, paths: &[&[ElectrodeCell]], courses: &[PartCourse], step: usize) -> Option<()> {
         let facts = &self.order.facts;
         let since = |part: usize| courses.get(part).map_or(0, |course| course.since);
         let until = |(part, path): (usize, &&[ElectrodeCell])| (since(part) + path.len()).saturating_sub(1);
         let instants = paths.iter().enumerate().map(until).max().unwrap_or(0);
-        // What is on, with the instant since when.
+        // The switches that are on, with the instant since when.
         let mut on: BTreeMap<BoardSwitch, u64> = BTreeMap::new();
         let gone_after = |cells: &mut [Option<ElectrodeCell>], instant: usize| {
             let done = courses.iter().zip(cells).filter(|(course, _)| course.is_gone && course.until() <= instant + 1);
@@ -113,7 +116,7 @@ impl LoweringBoard<'_> {
         };
         let is_any_gone = gone_after(&mut self.cells, 0);
         if instants == 0 && is_any_gone {
-            // No step of the board follows after which that would be recorded.
+            // No step of the board follows in which this would be recorded.
             self.record(self.run.duration_ns);
         }
         for instant in 0..instants {
@@ -123,7 +126,7 @@ impl LoweringBoard<'_> {
                     continue;
                 }
                 match course.parent {
-                    // What another gives off in this step of the board is where that one is.
+                    // A droplet that another one splits off in this step of the board begins where that one is.
                     Some(parent) if course.since == instant + 1 => self.cells[part] = self.cells[parent],
                     None if course.since == instant && course.until() > instant + 1 => {
                         self.cells[part] = course.at(instant);
@@ -159,7 +162,7 @@ impl LoweringBoard<'_> {
         Some(())
     }
 
-    /// The frames of reservoirs at an instant of a step, by the parts that they make.
+    /// The frames of reservoirs at an instant of a step, by the parts that are being dispensed.
     fn frames(&self, instant: usize, courses: &[PartCourse], step: usize) -> BTreeMap<usize, &DispenseFrame> {
         let (Some(reservoirs), Some(ElectrodeArrayAction::Assay(operations))) =
             (&self.order.facts.reservoirs, self.order.steps.get(step).map(|step| &step.action))
@@ -180,7 +183,8 @@ impl LoweringBoard<'_> {
             .collect()
     }
 
-    /// The electrodes that bring the parts to their next cells, and hold those that rest there; for what a reservoir makes, its frame.
+    /// The electrodes that move the parts to their next cells and hold resting parts; for a part that is being
+    /// dispensed, its frame.
     fn wanted(
         &self,
         next: &[Option<ElectrodeCell>],
@@ -196,7 +200,7 @@ impl LoweringBoard<'_> {
         held.map(|cell| BoardSwitch::Electrode(first(cell))).chain(pads).collect()
     }
 
-    /// Ends the electrodes that are no longer needed and begins the new ones.
+    /// Ends the actuations of electrodes that are no longer needed, and begins new ones.
     fn switch(
         &mut self,
         on: &mut BTreeMap<BoardSwitch, u64>,
@@ -219,7 +223,7 @@ impl LoweringBoard<'_> {
         }
     }
 
-    /// Parts that have merged are gone.
+    /// Removes parts that have merged.
     fn merge(&mut self, gone: impl Iterator<Item = usize>) {
         let mut merged = false;
         for part in gone {
@@ -250,7 +254,7 @@ fn electrodes(facts: &ElectrodeArrayFacts, from: ElectrodeCell, to: ElectrodeCel
     }
 }
 
-/// The two electrodes under the leading electrodes of a micropart at the end of its move; none if it rests, since it
+/// The two electrodes under the leading electrodes of a micropart at the end of its move; empty if it rests, since it
 /// rests without voltage.
 fn leading(from: ElectrodeCell, to: ElectrodeCell) -> Vec<ElectrodeCell> {
     let (column, row) = (to.column, to.row);

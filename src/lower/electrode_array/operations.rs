@@ -1,12 +1,12 @@
-//! The operations of an assay on the clock, from the courses of its parts.
+//! Times of the operations of an assay, derived from the courses of its parts.
 
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayOrder};
 use crate::device::electrode_array::ElectrodeArrayFacts;
 use crate::lower::clock::LoweredOperation;
 use crate::plan::electrode_array::PartCourse;
 
-/// The operations of the step with an index and a start, each as early as the courses have it: as they are asked for, and at the places
-/// that the plan has chosen.
+/// The operations of a step, given by its index and start, each as early as the courses allow: with the texts as
+/// asked, at the places that the plan has chosen.
 pub fn timed(
     order: &ElectrodeArrayOrder,
     step: usize,
@@ -16,10 +16,10 @@ pub fn timed(
     courses: &[PartCourse],
 ) -> Vec<LoweredOperation> {
     let facts = &order.facts;
-    // The instant at which each part is free for its next operation, at first that at which it is there.
+    // The instant at which each part is free for its next operation; at first, the one at which it appears.
     let mut free: Vec<usize> = courses.iter().map(|course| course.since).collect();
     let mut lowered = Vec::new();
-    // The instant at which each operation so far is done.
+    // The instant at which each operation so far ends.
     let mut ends: Vec<usize> = Vec::with_capacity(placed.len());
     for (asked, operation) in asked.iter().zip(placed) {
         let parts: Vec<usize> = operation.all_parts().filter(|part| !courses[*part].cells.is_empty()).collect();
@@ -50,14 +50,14 @@ pub fn timed(
     lowered
 }
 
-/// The instant, from one on, since which a part has been where it is pulled apart, which ends at another instant.
+/// The first instant, not before `from`, since which a part has stayed where it is split; the split ends at `end`.
 fn pulled_apart(course: &PartCourse, from: usize, end: usize) -> Option<usize> {
     let last = end.checked_sub(1)?;
     (from..=last).rev().take_while(|instant| course.at(*instant) == course.at(last)).last()
 }
 
-/// The first instant, from one on, from which on all parts of an operation stay at its last stop, or are mixed from there on, after they
-/// have come by the others.
+/// The first instant, not before `begins`, from which all parts of an operation stay at its last stop, or are mixed
+/// from there, after they have passed the other stops.
 fn arrival(
     operation: &AssayOperation,
     facts: &ElectrodeArrayFacts,

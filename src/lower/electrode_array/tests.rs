@@ -23,8 +23,8 @@ pub(crate) fn facts(electrodes: Electrodes) -> ElectrodeArrayFacts {
     }
 }
 
-/// The claims and the schedule of a task whose parts take these paths in its steps; a step without paths is a wait of 1 ms.
-/// Parts are called a, b, …; a pair of parts that end on one cell merges.
+/// The claims and the schedule of a task whose parts follow these paths in its steps; a step without paths is a wait
+/// of 1 ms. Parts are called a, b, …; two parts that end on the same cell merge.
 pub(crate) fn carried(facts: &ElectrodeArrayFacts, steps: &[Vec<Vec<(u32, u32)>>]) -> (Claims, Schedule) {
     let cells =
         |way: &Vec<(u32, u32)>| way.iter().map(|(column, row)| ElectrodeCell::new(*column, *row)).collect::<Vec<_>>();

@@ -1,7 +1,7 @@
-//! A plan of a hand as the positions of its stages, on a clock of its own.
+//! Lowers a hand's plan to positions of its stages, on a clock of its own.
 //!
-//! Each axis of each finger has a value at every instant of a run: ramps while it moves, and one stretch as long as it stays, both
-//! within their steps. A step in which nothing happens takes no time, and has none.
+//! Each axis of each finger has a value at every instant of a run: ramps while it moves, and one constant actuation
+//! while it rests, both within their steps. A step in which nothing happens takes no time and has no actuation.
 
 use super::Lowered;
 use super::clock::{LoweredRun, RunActuation};
@@ -31,14 +31,14 @@ impl Lowered for Planned<'_, FingersOrder, FingersMotion> {
     }
 }
 
-/// The hand while its plan is carried out.
+/// State of the hand while its plan is lowered.
 struct Lowering {
     run: LoweredRun,
-    /// Where each tip is now.
+    /// Current position of each tip.
     tips_um: Vec<[f64; 3]>,
 }
 
-/// A stretch of a channel within a step.
+/// A segment of a channel within a step.
 struct ChannelStretch {
     start_ns: u64,
     end_ns: u64,
@@ -47,7 +47,7 @@ struct ChannelStretch {
 }
 
 impl Lowering {
-    /// The moves of a step.
+    /// Adds the moves of a step.
     fn follow(&mut self, moves: &[TipsMove], step: usize) -> Option<()> {
         let mut channels: Vec<Vec<ChannelStretch>> = (0..self.tips_um.len() * AXES.len()).map(|_| Vec::new()).collect();
         for stretch in moves {
@@ -68,7 +68,7 @@ impl Lowering {
         Some(())
     }
 
-    /// The stretches of all channels as actuations, by their start and then in the order of the channels.
+    /// Adds the segments of all channels as actuations, sorted by start and then in the order of the channels.
     fn add(&mut self, channels: Vec<Vec<ChannelStretch>>, step: usize) {
         let named = channels.into_iter().enumerate().flat_map(|(index, stretches)| {
             let name = channel(index / AXES.len(), index % AXES.len());
@@ -79,7 +79,7 @@ impl Lowering {
         self.run.actuations.append(&mut actuations);
     }
 
-    /// A state that begins now, with the tips where they are.
+    /// Records a state that begins now, with the current positions of the tips.
     fn record(&mut self, hold: &HeldGrasp) {
         let held = |(finger, contact): (usize, &u32)| (*contact != 0).then(|| self.tips_um[finger]);
         let state = State::Fingers(FingersState {
@@ -111,7 +111,7 @@ impl ChannelStretch {
     }
 }
 
-/// Appends a stretch, or makes the last one longer where both stay.
+/// Appends a segment, or extends the last one if both are at rest.
 fn extend(stretches: &mut Vec<ChannelStretch>, next: ChannelStretch) {
     match stretches.last_mut() {
         Some(last) if last.is_rest() && next.is_rest() => last.end_ns = next.end_ns,

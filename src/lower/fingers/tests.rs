@@ -1,4 +1,4 @@
-//! Lowering of stretches.
+//! Lowering of moves.
 
 use super::*;
 use crate::claims::fingers::{FingersAction, FingersStep};

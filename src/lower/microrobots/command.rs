@@ -1,4 +1,4 @@
-//! The commands of a controller as lines of the exchange.
+//! The commands of a controller as lines of the control protocol.
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::control::StopReason;
@@ -6,8 +6,8 @@ use crate::plan::microrobots::control::{Command, Controller, InTheWay, Segment, 
 use crate::quantity::digits;
 use crate::schedule::control::{CommandLine, CommandWord, SegmentLine};
 
-/// The last command of a controller as the answer to a measurement of some time; `text_lines` has the line of each step of the order in
-/// the program's text.
+/// The last command of a controller, as the answer to the measurement at `t_ns`; `text_lines` has the line of each
+/// step of the order in the program's text.
 pub fn command_line(order: &MicrorobotsOrder, text_lines: &[u32], controller: &Controller, t_ns: u64) -> CommandLine {
     let name = |robot: usize| order.robot(robot).name.clone();
     let (command, until_ns, segments, stop) = match controller.last() {
@@ -41,7 +41,7 @@ pub fn command_line(order: &MicrorobotsOrder, text_lines: &[u32], controller: &C
     }
 }
 
-/// Why a task was given up, for people.
+/// The reason why a task was given up, for people.
 pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
     let name = |robot: usize| order.robot(robot).name.as_str();
     let robot = stop.robot.map_or("a robot", name);

@@ -1,7 +1,8 @@
-//! A plan of microrobots as the voltage of the bed, on a clock of its own.
+//! Lowers a plan of microrobots to the voltage of the bed, on a clock of its own.
 //!
-//! Each leg is the control cycle of its state, level after level, and then one actuation that swings between the flex and the relax
-//! level, stroke after stroke, however long it is. At 0 V all arms go up, so nothing is left out between the levels.
+//! Each leg is the control cycle of its state, level by level, followed by a single actuation, however long, that
+//! swings between the flex and the relax level, one period per stroke. There are no gaps between the levels, because
+//! at 0 V all arms would go up.
 
 pub mod command;
 
@@ -38,7 +39,7 @@ impl Lowered for Planned<'_, MicrorobotsOrder, MicrorobotsMotion> {
     }
 }
 
-/// The bed while its plan is carried out.
+/// State of the bed while its plan is lowered.
 struct LoweringBed<'a> {
     order: &'a MicrorobotsOrder,
     run: LoweredRun,
@@ -55,7 +56,7 @@ impl LoweringBed<'_> {
         Some(())
     }
 
-    /// The control cycle and the drive train of a leg.
+    /// Adds the control cycle and the drive train of a leg.
     fn drive(&mut self, leg: &Leg, step: usize) -> Option<()> {
         let facts = &self.order.facts;
         for &level_v in &self.order.states[leg.state].levels_v {
@@ -74,7 +75,7 @@ impl LoweringBed<'_> {
         Some(())
     }
 
-    /// The state of a leg that begins now.
+    /// Records the state of a leg that begins now.
     fn record(&mut self, control: usize) {
         let arms: Vec<u8> = self.order.states[control].arms.iter().map(|arm| arm.digit()).collect();
         let name = |robot: usize| self.order.robot(robot).name.clone();
@@ -87,7 +88,7 @@ impl LoweringBed<'_> {
         self.run.states.push(TimedState { t_ns: self.run.duration_ns, state });
     }
 
-    /// The state of a bed without voltage: all arms are up.
+    /// Records the state of a bed without voltage: all arms are up.
     fn record_rest(&mut self) {
         let up = self.order.states.iter().position(|state| state.arms.iter().all(|arm| *arm == Arm::Up));
         self.record(up.unwrap_or(0));

@@ -16,7 +16,7 @@ use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use crate::source::{Sources, Span};
 use std::sync::Arc;
 
-/// Three robots, the last of which turns the other way; a stroke of 50 us carries them by 2 um.
+/// Three robots, the last of which turns in the opposite direction; a stroke of 50 us moves them by 2 um.
 pub(crate) fn facts() -> MicrorobotsFacts {
     let robot = |name: &str, snap_down_v: f64, turning| Robot {
         snap_down_v,
@@ -42,10 +42,10 @@ pub(crate) fn facts() -> MicrorobotsFacts {
     }
 }
 
-/// The levels of the states, of which each lowers one arm more.
+/// The levels of the states, each of which lowers one more arm.
 const LEVELS_V: [&[f64]; 4] = [&[0.0], &[0.0, 150.0], &[0.0, 170.0], &[200.0]];
 
-/// The claims and the schedule of a task on the bed `m` with these steps; where robots dock, that was the goal.
+/// The claims and the schedule of a task on the bed `m` with these steps; robots that dock have that as their goal.
 pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
     let start = [(0.0, 0.0, 0.0), (600.0, 0.0, 1.5), (0.0, -500.0, -3.0)];
     let start = start.map(|(x_um, y_um, heading_rad)| Pose { x_um, y_um, heading_rad });
@@ -94,7 +94,7 @@ pub(crate) fn carried(steps: Vec<MicrorobotsStepMotion>) -> (Claims, Schedule) {
 /// The source text of the schedule.
 pub(crate) const SOURCE: &str = "task assemble on m { }\n";
 
-/// The step whose goal is a motion, from its robots' places to be filled in.
+/// The step that a motion fulfils, with goal poses still to be filled in.
 fn asked(motion: &MicrorobotsStepMotion) -> MicrorobotsStep {
     let goal = || MicrorobotsStop { pose: Pose::at(0.0, 0.0), span: Span::default(), origin: None };
     let action = match motion {
@@ -109,7 +109,7 @@ fn asked(motion: &MicrorobotsStepMotion) -> MicrorobotsStep {
     MicrorobotsStep { action, span: Span::default() }
 }
 
-/// Asks for the poses that the robots end at.
+/// Sets the goals of a step to the poses at which the robots end.
 fn aim(step: &mut MicrorobotsStep, ends: &[Pose]) {
     match &mut step.action {
         MicrorobotsAction::Assemble(docks) => docks.iter_mut().for_each(|dock| dock.goal.pose = ends[dock.robot]),
@@ -118,7 +118,7 @@ fn aim(step: &mut MicrorobotsStep, ends: &[Pose]) {
     }
 }
 
-/// Two robots turn by more than a circle; all run straight; after a rest, one turns, and then two of them dock.
+/// Two robots turn by more than a full circle; all run straight; after a rest, one turns, and then two of them dock.
 pub(crate) fn bed() -> (Claims, Schedule) {
     let leg = |state, strokes| Leg { state, strokes };
     let legs = |legs: Vec<Leg>, docks| MicrorobotsStepMotion::Legs { legs, docks, stages: Vec::new() };

@@ -1,7 +1,8 @@
-//! The lines of a controlled run: measured poses in, commands out, each one JSON object.
+//! The line protocol of a controlled run: measured poses in, commands out, one JSON object per line.
 //!
-//! Described for people in `docs/control.md`, for programs in `schema/control.schema.json`. `tweeze control` exchanges them, a recording
-//! holds them, and the verifier judges them. Times are integer nanoseconds of the measurements' own clock.
+//! Documented in `docs/control.md`; the schema is `schema/control.schema.json`. `tweeze control` exchanges the lines,
+//! a recording holds them, and the verifier judges them. Times are integer nanoseconds of the measurements' own
+//! clock.
 
 use super::RecordedPose;
 use crate::device::microrobots::control::{ControlPhase, StopReason};
@@ -17,15 +18,15 @@ use std::marker::PhantomData;
 pub struct MeasuredLine {
     #[serde(deserialize_with = "whole")]
     pub t_ns: u64,
-    /// By the names of the scene, each once; `None`, like a missing one, was not seen.
+    /// By the names of the scene, each once. A robot that is `None` or missing was not seen.
     #[serde(deserialize_with = "each_once")]
     pub robots: BTreeMap<String, Option<RecordedPose>>,
 }
 
-/// From here on a floating-point number stands for several whole ones.
+/// From here on a double may stand for several integers: 2^53.
 const EXACT_BELOW: f64 = 9_007_199_254_740_992.0;
 
-/// Reads a whole number, also one that a program of floating-point numbers wrote as `1.0` or `1e9`.
+/// Reads an integer, also if a program that works in floating point wrote it as `1.0` or `1e9`.
 fn whole<'de, D: Deserializer<'de>>(reader: D) -> Result<u64, D::Error> {
     struct Whole;
     impl Visitor<'_> for Whole {
@@ -47,7 +48,7 @@ fn whole<'de, D: Deserializer<'de>>(reader: D) -> Result<u64, D::Error> {
     reader.deserialize_any(Whole)
 }
 
-/// Reads a map of which no key comes twice: of two poses of a robot none can be trusted.
+/// Reads a map and rejects duplicate keys: of two poses of one robot neither can be trusted.
 fn each_once<'de, D, V>(reader: D) -> Result<BTreeMap<String, V>, D::Error>
 where
     D: Deserializer<'de>,
@@ -75,7 +76,7 @@ where
     reader.deserialize_map(EachOnce(PhantomData))
 }
 
-/// A command with what belongs to every one of them.
+/// A command, with the fields that every command has.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CommandLine {
@@ -85,41 +86,41 @@ pub struct CommandLine {
     /// When the next measurement is due; `None` if nothing follows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub until_ns: Option<u64>,
-    /// Of `drive` only.
+    /// With `drive` only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub segments: Option<Vec<SegmentLine>>,
-    /// Of `stop` only, like the message.
+    /// With `stop` only, like the message.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<StopReason>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
-    /// Of `stop` only: the robot that it is about, if it is about one.
+    /// With `stop` only: the robot concerned, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
-    /// Of `stop` for `blocked` only: the obstacle or the other robot.
+    /// With `stop` for `blocked` only: the obstacle or the other robot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub in_the_way: Option<String>,
-    /// Index of the task's steps.
+    /// Index into the task's steps.
     pub step: usize,
-    /// Of the step, in the program's text.
+    /// Line of the step in the program's text.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line: Option<u32>,
     pub phase: ControlPhase,
-    /// Names of the robots that are driven on purpose.
+    /// Names of the robots that are driven on purpose; others may move along.
     pub driven: Vec<String>,
-    /// Names of the robots that are held for docked.
+    /// Names of the robots that are taken to be docked.
     pub docked: Vec<String>,
 }
 
-/// What a command wants.
+/// Kind of command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CommandWord {
-    /// The segments one after the other, then the relax level.
+    /// Play the segments one after the other, then the relax level.
     Drive,
-    /// 0 V until an instant.
+    /// 0 V until `until_ns`.
     Rest,
-    /// The last command is not over yet.
+    /// The last command is still in force.
     Continue,
     /// 0 V: the task is done.
     Finished,
@@ -127,18 +128,18 @@ pub enum CommandWord {
     Stop,
 }
 
-/// Strokes in a control state.
+/// Strokes in one control state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SegmentLine {
     /// One digit for each robot of the table, 1 for an arm that is down.
     pub state: String,
-    /// Levels of the control cycle that comes first; empty where the arms are in that state already.
+    /// Levels of the control cycle that comes first; empty if the arms are in that state already.
     pub levels_v: Vec<f64>,
     pub strokes: u64,
 }
 
-/// A line of an exchange.
+/// A line of the control protocol.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ControlLine {
     Measured(MeasuredLine),
@@ -146,10 +147,10 @@ pub enum ControlLine {
 }
 
 impl ControlLine {
-    /// The line as it stands in a recording, without its end.
+    /// The line as it is in a recording, without its line end.
     ///
     /// # Errors
-    /// That of the serializer, which lines give no cause for: their keys are strings.
+    /// That of the serializer, which cannot occur here: all keys are strings.
     pub fn written(&self) -> Result<String, serde_json::Error> {
         match self {
             ControlLine::Measured(line) => serde_json::to_string(line),

@@ -14,21 +14,21 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
-/// Where the robots of a bed stand as a leg begins.
+/// State of a bed when a leg begins.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MicrorobotsState {
-    /// Index of the control state of the leg that begins here.
+    /// Index of the control state of the leg.
     pub control: usize,
-    /// Of that leg, in the order of the table: 1 for an arm that is down.
+    /// Arms during the leg, in the order of the table: 1 for an arm that is down.
     pub arms: Vec<u8>,
-    /// The robots that stick in a structure and move no more, by name in order.
+    /// The robots that are docked in a structure and no longer move, sorted by name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub docked: Vec<String>,
-    /// Each robot on the bed, by its name.
+    /// The pose of each robot on the bed, by its name.
     pub poses: BTreeMap<String, RecordedPose>,
 }
 
-/// Where a robot is, measured or planned, in the coordinates of the scene: the middle of its body.
+/// A measured or planned pose of the centre of a robot's body, in the coordinates of the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object with `x_um`, `y_um` and `heading_deg`, or null")]
 pub struct RecordedPose {
@@ -82,7 +82,7 @@ impl Reaching for MicrorobotsOrder {
                 reached_um: [x_um, y_um],
                 off_um: (x_um - goal.x_um).hypotenuse(y_um - goal.y_um),
                 asked_deg: goal.heading_rad.to_degrees(),
-                // The turn of the goal, lest 359 deg look far from 1 deg.
+                // The heading in the same turn as the goal's, lest 359 deg look far from 1 deg.
                 reached_deg: (goal.heading_rad + off_rad).to_degrees(),
                 off_deg: off_rad.to_degrees(),
             })

@@ -37,7 +37,7 @@ fn a_fine_polygon_is_kept() {
     assert!(off(&smoothed(&points), &concave) < 5e-3);
 }
 
-/// Straight sides are seen as those of something round.
+/// Straight sides are taken for samples of something round.
 #[test]
 fn a_coarse_polygon_becomes_round() {
     let close = smoothed(&round(24, |angle| [14.0 * angle.cos(), 14.0 * angle.sin()]));
@@ -59,7 +59,7 @@ fn a_million_points_with_noise_are_smoothed() {
     assert_eq!(Outline::from_polygon(&points), Err(OutlineError::TooManyPoints(MAX_POLYGON + 1)));
 }
 
-/// The steps of a picture's pixels.
+/// The stairs of an image's pixels.
 #[test]
 fn stairs_are_smoothed() {
     let points = ellipse(4000).into_iter().map(|point| point.map(|number| (number * 5.0).round() / 5.0));

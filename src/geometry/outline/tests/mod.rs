@@ -15,7 +15,7 @@ fn curve(outline: &Outline) -> Curve {
     Curve::of(outline).unwrap_or_else(|error| panic!("{outline:?}: {error:?}"))
 }
 
-/// From its least to its greatest x.
+/// Difference between the greatest and the least x.
 fn width_um(curve: &Curve) -> f64 {
     -curve.least(|spot| -spot.point_um[0]) - curve.least(|spot| spot.point_um[0])
 }
@@ -28,7 +28,7 @@ fn round(count: usize, at: impl Fn(f64) -> [f64; 2]) -> Vec<[f64; 2]> {
     (0..count).map(|step| at(TAU * step as f64 / count as f64)).collect()
 }
 
-/// A ring with lobes; concave from some depth on.
+/// A ring with lobes; concave beyond a certain depth.
 fn lobed(lobes: f64, depth: f64) -> Outline {
     spline(&round(120, |angle| {
         let r = 20.0 * (1.0 + depth * (lobes * angle).cos());
@@ -57,7 +57,7 @@ fn all() -> Vec<Outline> {
 #[test]
 fn the_papers_ellipse_has_74_contacts() {
     let [a, b] = PAPER_UM;
-    // The trapezoid rule converges faster than any power on a period.
+    // For a periodic function the trapezoidal rule converges faster than any power.
     let count = 4096;
     let speed = |step: usize| (TAU * step as f64 / count as f64).sin_cos();
     let integral: f64 = (0..count).map(speed).map(|(s, c)| (a * s).hypot(b * c)).sum::<f64>() * TAU / count as f64;
@@ -95,7 +95,7 @@ fn ways_points_normals_and_curvatures_agree() {
         let perimeter = curve.perimeter_um();
         let count = 3000;
         for step in 0..count {
-            // Across joints of rounded rectangles differences of curvature are of first order.
+            // Across the joints of rounded rectangles, differences of curvature are of first order.
             let (way, small) = ((f64::from(step) + 0.37) * perimeter / f64::from(count), 1e-4);
             let [before, spot, after] = [way - small, way, way + small].map(|way| curve.spot(way));
             let moved = minus(after.point_um, before.point_um);
@@ -115,7 +115,7 @@ fn ways_points_normals_and_curvatures_agree() {
     }
 }
 
-/// The reported arc length is that of a fine polyline, whose error falls with the square of its step.
+/// The reported arc length matches a fine polyline, whose error decreases with the square of its step.
 #[test]
 fn ways_are_lengths() {
     for outline in all() {
@@ -152,7 +152,7 @@ fn rolling_and_its_inverse_agree() {
     let mut dice = SplitMix64::new(5);
     for outline in all() {
         let curve = curve(&outline);
-        // A tip that reaches everywhere, and one that hardly does.
+        // A tip that reaches every point, and one that barely does.
         let least = curve.least_curvature_per_um();
         let tips = if least < -1e-6 { vec![-0.5 / least, -0.99 / least] } else { vec![TIP_UM, 1000.0] };
         for tip in tips {
@@ -162,7 +162,7 @@ fn rolling_and_its_inverse_agree() {
                 assert!((way - back).abs() < 1e-6, "{outline:?} {tip}: {way} {back}");
             }
         }
-        // One that does not reach: some answer.
+        // A tip that does not reach every point: any answer will do, except NaN.
         if least < 0.0 {
             assert!((0..200).all(|step| !curve.way_rolled_um(f64::from(step) * 0.1, -3.0 / least).is_nan()));
         }
@@ -186,7 +186,7 @@ fn it_begins_where_the_x_axis_leaves_it() {
     }
 }
 
-/// A snake that the x axis leaves three times on the right: the farthest counts.
+/// A winding outline that the x axis leaves three times on the right: the outermost point counts.
 #[test]
 fn the_farthest_of_several_places_counts() {
     let points = [
@@ -216,7 +216,7 @@ fn the_farthest_of_several_places_counts() {
     assert!(ahead.area_um2() > 0.0 && (ahead.area_um2() - back.area_um2()).abs() < 1e-9);
 }
 
-/// The least distance from points of the curve, of fine steps and then of finer ones.
+/// The least distance from sampled points of the curve, first with coarse steps, then with fine ones.
 fn brute(curve: &Curve, point: [f64; 2]) -> f64 {
     let at = |way: f64| norm(minus(curve.spot(way).point_um, point));
     let step = curve.perimeter_um() / 4000.0;
@@ -302,7 +302,7 @@ fn a_spline_of_an_ellipse_is_near_it() {
         let off = (0..880)
             .map(|step| exact.nearest(close.spot(f64::from(step) * 0.1).point_um).distance_um.abs())
             .fold(0.0, f64::max);
-        // Of fourth order, less the rounding.
+        // Fourth-order convergence, apart from rounding.
         assert!(off < before / 12.0 + 1e-9, "{count}: {off} after {before}");
         before = off;
         assert!((close.area_um2() - exact.area_um2()).abs() < 200.0 * off + 1e-9);
@@ -313,7 +313,7 @@ fn a_spline_of_an_ellipse_is_near_it() {
 
 #[test]
 fn the_centre_is_that_of_the_area() {
-    // An ellipse beside the origin.
+    // An ellipse whose centre is not the origin.
     let points = round(400, |angle| [3.0 + 16.0 * angle.cos(), -2.0 + 11.0 * angle.sin()]);
     let curve = curve(&spline(&points));
     assert!(norm(minus(curve.centre_um(), [3.0, -2.0])) < 1e-6, "{:?}", curve.centre_um());
@@ -356,7 +356,7 @@ fn what_is_no_outline_is_refused() {
     assert_eq!(of(&spline(&square.map(|[x, y]| [x, y + 30.0]))), Err(OutlineError::OffOrigin));
 }
 
-/// A horseshoe round the origin: the axis meets it on both sides, but the origin is outside.
+/// A horseshoe around the origin: the axis meets it on both sides, but the origin is outside.
 #[test]
 fn the_origin_lies_inside() {
     let outer = (0..=40).map(|step| (20.0, -1.2 * FRAC_PI_2 + f64::from(step) * 2.4 * FRAC_PI_2 / 40.0));
