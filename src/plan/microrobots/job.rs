@@ -105,7 +105,6 @@ fn seconds(ns: u64) -> f64 {
 /// With errors that the plan tolerates without any correction, the controller carries it out as written, and the
 /// verifier has checked the result. With larger errors nothing is guaranteed; the remark names the first containment
 /// that the estimates reject.
-/// result. With larger errors nothing is guaranteed; the first containment that the estimates reject is named.
 fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Vec<Remark>, sink: &mut Sink) -> bool {
     let all = episodes(order, motion);
     let mut docking = all.iter().filter(|episode| !driven(episode.stage).is_empty()).peekable();

@@ -132,7 +132,7 @@ pub fn legs_of_two(first: &ArmTrack, second: &ArmTrack, [both, one, none]: [usiz
     Some(legs)
 }
 
-/// The same legs, with neighbours of the same state merged.
+/// The same legs; consecutive ones of the same state are merged.
 pub fn joined(legs: impl IntoIterator<Item = Leg>) -> Vec<Leg> {
     let mut kept: Vec<Leg> = Vec::new();
     for leg in legs {

@@ -18,7 +18,7 @@ const FIRST_STRETCHES: usize = 24;
 /// Increment of the straight segments of detours, as a share of the turning radius.
 const STRETCH_SHARE: f64 = 0.25;
 
-/// Full circles beyond those that the headings require, with none.
+/// Numbers of full circles beyond those that the headings require: 0 to `CIRCLES - 1`.
 pub const CIRCLES: usize = 4;
 
 /// Rounding tolerance of a segment of length 0, in micrometres.
@@ -72,13 +72,13 @@ pub fn stretches(robot: &Robot, count: usize) -> Vec<f64> {
     (0..count).map(|index| index as f64 * STRETCH_SHARE * robot.turning_radius_um).collect()
 }
 
-/// The sum of all turns of a path between two poses, with so many full circles beyond those that the headings require.
+/// Sum of all turns of a path between two poses, with `circles` full circles beyond those that the headings require.
 pub fn turned_rad(robot: &Robot, [from, to]: [Pose; 2], circles: usize) -> f64 {
     turn_rad(robot, from.heading_rad, to.heading_rad) + TAU * circles as f64
 }
 
-/// The paths without a needless edge, with full circles at their start or without, whose length is the required one up to a slack. They
-/// are limits of [`closings`] in which segments are empty and no segment may be any longer.
+/// The paths without a needless edge, with or without full circles at their start, whose length is the required one up
+/// to a slack. They are limits of [`closings`] in which segments are empty and no segment may be any longer.
 pub fn shortest_of_length(robot: &Robot, asked: &ClosingRequest, slack_um: f64) -> Vec<Vec<ArmSegment>> {
     let circle_um = TAU * robot.turning_radius_um;
     let with_circles = |way: &[ArmSegment], circles: usize| {

@@ -27,7 +27,7 @@ impl<'a> AssemblyGround<'a> {
         AssemblyGround { world: World::new(bed.order), docks, start: bed.poses.clone(), docked: bed.docked.clone() }
     }
 
-    /// A stretch, cut where its robots dock.
+    /// Cuts a stretch where its robots dock.
     pub fn settled(&self, bed: &AssemblyState, stretch: StageAddition) -> Result<StageAddition, StuckAssembly> {
         recognition::settled(bed, self.docks, stretch)
     }
@@ -65,9 +65,9 @@ impl<'a> AssemblyGround<'a> {
         }
     }
 
-    /// The first collision of one more stretch, including one more full orbit of the waiting robots afterwards, since they will
-    /// make it. So their discs are kept clear in every stretch, and each stretch can be checked separately. The leg is counted from
-    /// the assembly's first.
+    /// First collision of one more stretch, followed by one more full orbit of the robots that still wait, since they
+    /// will make it. So their discs are kept clear in every stretch, and each stretch can be checked separately. The
+    /// leg is counted from the assembly's first.
     pub fn first_hit(&self, bed: &AssemblyState, stretch: &StageAddition) -> Option<FirstMeeting> {
         let mut legs = stretch.legs.clone();
         let leg = legs.len() - 1;

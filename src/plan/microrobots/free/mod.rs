@@ -30,7 +30,7 @@ use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::{PI, TAU};
 
-/// Lateral miss of the goal that is allowed to save a turn.
+/// Lateral miss of the goal that is tolerated to save a turn.
 pub const SLACK_UM: f64 = 1e-6;
 
 /// The same for headings.
@@ -57,7 +57,7 @@ impl DubinsWord {
         self.runs_um[0] + self.runs_um[1] + radius_um * (self.turns_rad[0] + self.turns_rad[1] + self.turns_rad[2])
     }
 
-    /// The segments that are not empty, neighbours with the same arm merged.
+    /// The segments that are not empty; adjacent ones with the same arm position are merged.
     pub fn segments(&self, radius_um: f64) -> Vec<ArmSegment> {
         let turn = |index: usize| ArmSegment { arm: Arm::Down, way_um: radius_um * self.turns_rad[index] };
         let run = |index: usize| ArmSegment { arm: Arm::Up, way_um: self.runs_um[index] };
@@ -65,7 +65,7 @@ impl DubinsWord {
     }
 }
 
-/// The same path without empty segments, neighbours with the same arm merged.
+/// The same path without empty segments; adjacent ones with the same arm position are merged.
 pub fn joined(segments: impl IntoIterator<Item = ArmSegment>) -> Vec<ArmSegment> {
     let mut kept: Vec<ArmSegment> = Vec::new();
     for segment in segments.into_iter().filter(|segment| segment.way_um > 0.0) {
@@ -96,8 +96,8 @@ fn best(robot: &Robot, from: Pose, to: Pose) -> DubinsWord {
     words(robot, from, to)[0]
 }
 
-/// The paths without a needless edge, the shortest first: turn–straight–turn, and straight–turn–straight if it exists. Otherwise
-/// both are equal.
+/// The paths without a needless edge, the shortest first: turn–straight–turn, and straight–turn–straight. If the latter
+/// does not exist, both entries are the former.
 pub fn words(robot: &Robot, from: Pose, to: Pose) -> [DubinsWord; 2] {
     let journey = MirroredJourney::new(robot, from, to);
     let one = journey.turn_run_turn();
@@ -166,29 +166,29 @@ impl MirroredJourney {
     }
 }
 
-/// What every path from a pose within a slack of one to a pose within a slack of another has at least.
+/// Lower bounds on every path from a pose within a slack of one pose to a pose within a slack of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeastWays {
-    /// Least and greatest turn without a full circle, in micrometres of the path; every path turns by an amount between them, or by whole
-    /// circles more. The least may be below 0: then there is a path that turns by nearly nothing.
+    /// Least and greatest turn without a full circle, in micrometres of path; every path turns by an amount between
+    /// them, plus whole circles. The least may be negative: then there is a path that turns by nearly nothing.
     pub turn_um: [f64; 2],
     /// Path length of one full circle.
     pub circle_um: f64,
-    /// Least straight travel of a path without a full circle more; infinite if there is none.
+    /// Least straight travel of a path without an additional full circle; infinite if there is none.
     pub direct_um: f64,
     /// Least straight travel of any path.
     pub run_um: f64,
 }
 
 impl LeastWays {
-    /// Least length of a path that turns by this many full circles more than it needs; infinite if there is none.
+    /// Least length of a path that turns by this many additional full circles; infinite if there is none.
     pub fn length_um(&self, circles: u64) -> f64 {
         let run_um = if circles == 0 { self.direct_um } else { self.run_um };
         run_um + (self.turn_um[0] + self.circle_um * circles as f64).max(0.0)
     }
 }
 
-/// A pose, and how far from it a robot may be.
+/// A pose with its tolerance.
 #[derive(Debug, Clone, Copy)]
 pub struct PoseWithin {
     pub pose: Pose,
@@ -220,7 +220,7 @@ pub fn least_ways(robot: &Robot, from: PoseWithin, to: PoseWithin) -> LeastWays 
 }
 
 impl MirroredJourney {
-    /// Least straight travel without a full circle more.
+    /// Least straight travel without an additional full circle.
     fn direct_um(&self, before: Precision, off_rad: f64, off_um: f64, run_um: f64) -> f64 {
         if run_um == 0.0 {
             return run_um;

@@ -12,7 +12,7 @@ use crate::real::Real;
 /// Steepest heading considered, relative to the normal of the edge.
 const STEEPEST_RAD: f64 = 1.3;
 
-/// With more intervals than this nothing is bounded.
+/// Most intervals; with more of them nothing is bounded.
 const MAX_INTERVALS: f64 = 10_000.0;
 
 /// Iterations of the incidence and the reserve, which depend on each other.
@@ -48,7 +48,7 @@ struct FineBounds<'a> {
 }
 
 impl Last {
-    /// For a robot that steers by a share of turning between two bounds.
+    /// Bounds for a robot that steers by a share of turning between two limits.
     pub fn new(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> Self {
         let seen = frame.seen(approach);
         let steepest_rad = (seen.heading_rad.abs() + region.cylinder.heading_rad).min(STEEPEST_RAD);
@@ -80,8 +80,8 @@ fn corners(frame: &GoalFrame, approach: Pose, region: Region) -> Vec<Pose> {
     (0..8).map(corner).collect()
 }
 
-/// Without further errors: the steepest incidence from a cylinder, the largest deviation of curvatures from the middle's, and the
-/// longest path.
+/// Without further errors: the steepest incidence from a cylinder, the largest deviation of the curvature from that at
+/// the middle, and the longest path.
 fn met(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> [f64; 3] {
     let per_um = 1.0 / driver.robot.turning_radius_um;
     let share = |seen: Pose| steered(driver, frame, frame.placed(seen), shares).0;
@@ -98,7 +98,8 @@ fn met(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, share
     [incidence_rad, bend_per_um, way_um].map(|most| 1.1 * most)
 }
 
-/// How much larger a cylinder may be and still be steered to the goal by shares that keep a reserve of curvature.
+/// Amount by which a cylinder may be larger and still be steered to the goal by shares that keep a reserve of
+/// curvature.
 fn slack(
     driver: &Driver,
     frame: &GoalFrame,

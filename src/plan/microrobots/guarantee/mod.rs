@@ -1,10 +1,11 @@
-//! What errors a plan surely bears (`written`), and estimates of what may prevent the closed-loop strategy from bringing robots to their
-//! goals, with the errors at their bounds.
+//! Errors that a plan certainly tolerates (`written`), and estimates of what may keep the closed-loop strategy from
+//! bringing robots to their goals, with the errors at their bounds.
 //!
-//! Of the estimates: input: an order whose device states its errors, and a plan. Output: for each stage of an assembly the containments on which
-//! success rests, each with the required and the available value. No promise: these are estimates. Of 76 tasks in which all
-//! containments held, trials of `simulate` failed in 14 (up to 4.5 % of the trials), so a stage is never called guaranteed because
-//! of them; they show what to examine first. A stage in which one does not hold may well succeed nearly always.
+//! Input of the estimates: an order whose device states its errors, and a plan. Output: for each stage of an assembly
+//! the containments on which success rests, each with the required and the available value. No promise: these are
+//! estimates. Of 76 tasks in which all containments held, trials of `simulate` failed in 14 (up to 4.5 % of the
+//! trials), so a stage is never called guaranteed because of them; they show what to examine first. A stage in which
+//! one does not hold may well succeed nearly always.
 //!
 //! Method: the forward projection of the gross motion is the cylinder about the approach ([`Driver::cylinder`]); it must lie in the
 //! preimage of the goal under the fine motion (`fine`), that is, within the reach of its curvatures on both sides, less the share
@@ -87,12 +88,12 @@ impl Containment {
 impl Assured {
     /// The first containment that does not hold. If there is none, the stage is still not guaranteed: these are estimates.
     pub fn violated(&self) -> Option<&Containment> {
-        // NaN does not hold.
+        // A margin of NaN does not hold.
         self.containments.iter().find(|containment| containment.margin().is_nan() || containment.margin() < 0.0)
     }
 }
 
-/// The stages of a plan in order of time; `None` where the device does not state its errors.
+/// Estimates for the stages of a plan in order of time; `None` if the device does not state its errors.
 pub fn guarantees(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<Vec<Assured>> {
     order.facts.errors?;
     let solids = obstacles(order);
@@ -134,7 +135,7 @@ struct StageContext<'a> {
     order: &'a MicrorobotsOrder,
     episode: &'a Episode<'a>,
     obstacles: &'a [StrategySolid],
-    /// Whether its step begins with it, so that the robots' poses on their orbits are known.
+    /// Whether it is the first stage of its step, so that the robots' poses on their orbits are known.
     is_first: bool,
     structure: Displaced,
 }
@@ -190,7 +191,7 @@ fn single(bed: &StageContext, robot: usize, approach: Pose, goal: Pose) -> Optio
 mod tests {
     use super::*;
 
-    /// What is needed and not there, or is no number, is a containment that does not hold; what is just there holds.
+    /// A containment with a margin below 0, or of NaN, does not hold; one with a margin of 0 does.
     #[test]
     fn a_containment_without_its_margin_is_violated() {
         let violated = |needs: f64, has: f64| {

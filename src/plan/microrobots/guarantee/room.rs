@@ -13,7 +13,7 @@ use std::f64::consts::{E, TAU};
 /// Step between two checks of a body.
 const LOOK_UM: f64 = 5.0;
 
-/// Most checks of one piece of a path: errors that need more are not bounded.
+/// Most checks of one piece of a path; errors that need more are not bounded.
 const MAX_LOOKS: f64 = 10_000.0;
 
 /// Room beyond this is not measured exactly.
@@ -27,7 +27,7 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// The tightest spot: required and available room.
+    /// The tightest spot so far or at this body, whichever has less room to spare.
     pub fn tightest(
         &self,
         body: &BodyCorners,
@@ -57,7 +57,7 @@ pub fn unbounded() -> Room {
     (String::new(), f64::INFINITY, 0.0)
 }
 
-/// Whether a path can be checked every few micrometres.
+/// Whether a path is short enough to be checked every few micrometres.
 pub fn is_looked_at(way_um: f64, look_um: f64) -> bool {
     way_um / look_um <= MAX_LOOKS
 }
@@ -87,7 +87,7 @@ pub struct GrossMotion<'a> {
 }
 
 impl<'a> GrossMotion<'a> {
-    /// From the start of the stage, or any place on that orbit, via centres to the approach.
+    /// Gross motion from the start of the stage, or from any place on that orbit, via centres to the approach.
     pub fn new(bed: &StageContext, driver: &'a Driver<'a>, robot: usize, via_um: &[[f64; 2]], approach: Pose) -> Self {
         let shift_um = bed.structure.of_um(approach);
         let mut way = GrossMotion::between(driver, shift_um);
@@ -96,7 +96,7 @@ impl<'a> GrossMotion<'a> {
         way
     }
 
-    /// Without parts; its approach may be displaced by `shift_um`.
+    /// A motion without parts; its approach may be displaced by `shift_um`.
     pub fn between(driver: &'a Driver<'a>, shift_um: f64) -> Self {
         GrossMotion {
             driver,
@@ -113,7 +113,7 @@ impl<'a> GrossMotion<'a> {
         self.parts.iter().map(|part| part.stray_um).fold(0.0, f64::max)
     }
 
-    /// Nominal pose at this distance before its end; on the first orbit if that is longer ago.
+    /// Nominal pose at this distance before the end; on the first orbit if the motion is shorter than that.
     pub fn left(&self, mut left_um: f64) -> Pose {
         for part in self.nominal.iter().rev() {
             if left_um <= part.way_um {
@@ -124,7 +124,7 @@ impl<'a> GrossMotion<'a> {
         self.nominal.first().map_or(Pose::at(0.0, 0.0), |part| bent(part.from, part.turn_per_um, -left_um))
     }
 
-    /// From a known pose, or from any place on its orbit.
+    /// Adds the path from a known pose, or from any place on its orbit.
     pub fn walk(&mut self, start: Pose, via_um: &[[f64; 2]], approach: Pose, tilt_rad: f64, is_orbiting: bool) {
         let driver = self.driver;
         let mut centre_um = driver.robot.orbit_centre_um(start);
@@ -155,7 +155,7 @@ impl<'a> GrossMotion<'a> {
         self.turn(centre_um, [heading_rad, approach.heading_rad], unsure, off_um, false);
     }
 
-    /// A turn about a centre; a full circle where it may become one.
+    /// Adds a turn about a centre; a full circle if it may become one.
     fn turn(&mut self, centre_um: [f64; 2], [from, to]: [f64; 2], [before, after]: [f64; 2], off_um: f64, any: bool) {
         let (side, radius_um) = (self.driver.side(), self.driver.robot.turning_radius_um);
         let angle_rad = turn(side * (to - from));

@@ -1,4 +1,4 @@
-//! How far a robot that is not corrected may be from its plan.
+//! Bounds on how far a robot that is not corrected may be from its plan.
 
 use crate::device::microrobots::{Arm, Errors, Robot};
 use crate::real::Real;
@@ -12,13 +12,13 @@ pub struct StrayBound {
 }
 
 impl StrayBound {
-    /// A robot that was measured where the plan begins.
+    /// Bounds for a robot that was measured where the plan begins.
     pub fn measured(robot: &Robot, errors: &Errors) -> Self {
         let heading_rad = errors.heading_rad;
         StrayBound { centre_um: errors.place_um + robot.turning_radius_um * heading_rad, heading_rad }
     }
 
-    /// After a nominal path with the arm down or up.
+    /// Bounds after a nominal path with the arm down or up.
     ///
     /// The centre C of a robot of turning radius r that runs on a path of curvature k moves with its heading by (1 - r k) for each
     /// unit of path: with the arm down k is 1/r up to the error of turning, with the arm up it is that error alone. The path is
@@ -40,17 +40,17 @@ impl StrayBound {
         }
     }
 
-    /// For the middle of the body.
+    /// Bound for the middle of the body.
     pub fn place_um(&self, robot: &Robot) -> f64 {
         self.centre_um + robot.turning_radius_um * self.heading_rad
     }
 
-    /// For the middle of its front.
+    /// Bound for the middle of its front.
     pub fn nose_um(&self, robot: &Robot) -> f64 {
         self.centre_um + robot.turning_radius_um.hypotenuse(robot.length_um / 2.0) * self.heading_rad
     }
 
-    /// For any point of the body.
+    /// Bound for any point of the body.
     pub fn body_um(&self, robot: &Robot) -> f64 {
         self.centre_um + robot.orbit_reach_um() * self.heading_rad
     }

@@ -63,7 +63,7 @@ impl GoalFrame {
         self.edge_um - seen.x_um - self.length_um / 2.0 * cos - self.width_um / 2.0 * sin.abs()
     }
 
-    /// The contact that results from a pose touching the edge.
+    /// Contact of a robot whose pose touches the edge.
     pub fn contact(&self, seen: Pose, way_um: f64) -> EdgeContact {
         let (sin, cos) = seen.heading_rad.sine_cosine();
         let lean_um = self.width_um / 2.0 * (1.0 - cos) * sin.signum();
@@ -71,7 +71,7 @@ impl GoalFrame {
         EdgeContact { across_um, incidence_rad: seen.heading_rad, way_um }
     }
 
-    /// The contact of a robot that continues with a curvature; `None` if it turns away before.
+    /// Contact of a robot that continues with a curvature; `None` if it turns away before.
     pub fn met(&self, seen: Pose, turn_per_um: f64) -> Option<EdgeContact> {
         let mut way_um = self.gap_um(seen).max(0.0);
         for _ in 0..NEWTON_STEPS {

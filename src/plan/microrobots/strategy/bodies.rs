@@ -7,7 +7,7 @@ use crate::geometry::{Core, Pose};
 use crate::real::Real;
 use nalgebra::Point2;
 
-/// An overlap with a front below this counts as lying before it.
+/// An overlap with a front below this counts as lying ahead of it.
 const TOUCHING_UM: f64 = 1.0;
 
 /// The corners of a robot's body, in order around it.
@@ -54,7 +54,7 @@ impl StrategySolid {
         StrategySolid::new(name, Core::Point(Point2::new(x_um, y_um)), robot.orbit_reach_um() + growth_um)
     }
 
-    /// Whether all of it lies before the front of a robot at its goal, up to a contact tolerance.
+    /// Whether all of it lies ahead of the front of a robot at its goal, up to a contact tolerance.
     pub fn is_ahead(&self, robot: &Robot, goal: Pose) -> bool {
         let (sin, cos) = goal.heading_rad.sine_cosine();
         let ahead_um = |point: &Point2<f64>| (point.x - goal.x_um) * cos + (point.y - goal.y_um) * sin;

@@ -48,13 +48,13 @@ use std::f64::consts::TAU;
 /// Least number of intervals of the fine motion.
 const FINE_INTERVALS: f64 = 10.0;
 
-/// One part in this many of the fine motion is driven with the last chosen share.
+/// The last 1/`KEPT_PARTS` of the fine motion is driven with the last chosen share.
 const KEPT_PARTS: f64 = 8.0;
 
-/// An interval near a target is at most one part in this many of the fine motion.
+/// An interval near a target is at most 1/`NEAR_INTERVALS` of the fine motion.
 const NEAR_INTERVALS: f64 = 6.0;
 
-/// Distance, in errors of a centre, from which on a direction is measured.
+/// Least distance of a target, in errors of a centre, at which its direction is still measured.
 const SURE_CENTRES: f64 = 20.0;
 
 /// Centres nearer to each other than this coincide.
@@ -79,7 +79,7 @@ pub struct Driver<'a> {
     pub near_interval_um: f64,
     /// The same in fine motion: whole cycles.
     pub fine_interval_um: f64,
-    /// The share of the last cycles is kept when less than this would be left after another interval.
+    /// If less than this would be left after another interval, the share of the last cycles is kept.
     pub kept_um: f64,
     /// Path length of one cycle of the fine motion.
     pub cycle_um: f64,
@@ -102,7 +102,7 @@ impl Cylinder {
 }
 
 impl<'a> Driver<'a> {
-    /// `None` where the device does not state its errors.
+    /// `None` if the device does not state its errors.
     pub fn new(order: &'a MicrorobotsOrder, robot: usize) -> Option<Self> {
         let facts = &order.facts;
         let errors = facts.errors?;
@@ -160,7 +160,8 @@ impl<'a> Driver<'a> {
         1.5 * self.centre_error_um() + SAME_UM
     }
 
-    /// A new target is skipped when the centre is measured this near: it could not reliably be brought nearer.
+    /// Measured distance of the centre from a new target within which that is skipped: the centre could not reliably be
+    /// brought nearer.
     pub fn left_alone_um(&self) -> f64 {
         self.centre_miss_um() - self.centre_error_um()
     }
@@ -205,7 +206,7 @@ impl<'a> Driver<'a> {
     }
 }
 
-/// An angle reduced to one turn from 0, the full turn excluded.
+/// Angle reduced to the range from 0 to a full turn, the latter excluded.
 pub fn turn(angle_rad: f64) -> f64 {
     let turned_rad = angle_rad.rem_euclid(TAU);
     if turned_rad >= TAU { 0.0 } else { turned_rad }

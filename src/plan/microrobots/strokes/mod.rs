@@ -52,7 +52,7 @@ pub fn end(robot: &Robot, from: Pose, trains: &[StrokeTrain]) -> Pose {
     trains.iter().fold(from, |pose, train| robot.moved(pose, train.arm, train.segment(robot).way_um))
 }
 
-/// How far a pose is from a goal, whatever the headings.
+/// Distance of a pose from a goal; headings are ignored.
 fn missed_um(pose: Pose, goal: Pose) -> f64 {
     (pose.x_um - goal.x_um).hypotenuse(pose.y_um - goal.y_um)
 }
@@ -93,18 +93,19 @@ pub fn whole(
     best.map(|(_, trains)| trains)
 }
 
-/// Headings on each side of the goal's at which a short drive may end that are looked at.
+/// Number of headings, on each side of the goal's, that are tried for the end of a short drive.
 const HEADINGS: i32 = 16;
 
-/// Drives of one or two trains that end within the precision of a goal: a turn and then a run, and the other way round, with up to half a
-/// turn or with more, each where it ends nearest to the goal. None where the goal is reached by no such drive.
+/// Drives of one or two trains that end within the precision of a goal: a turn and then a run, or a run and then a
+/// turn, with up to half a turn or with more, each where it ends nearest to the goal. Empty if no such drive reaches
+/// the goal.
 ///
-/// What a path to the goal itself needs three trains for, or a full turn, is often within the precision at the end of one.
+/// Where the goal itself needs three trains or a full turn, one or two trains often end within the precision of it.
 pub fn short(robot: &Robot, from: Pose, goal: Pose, precision: Precision) -> Vec<Vec<StrokeTrain>> {
     let offsets = (-HEADINGS..=HEADINGS).map(|at| precision.heading_rad * f64::from(at) / f64::from(HEADINGS));
     let mut headings: Vec<f64> = offsets.map(|off_rad| goal.heading_rad + off_rad).collect();
     headings.push(from.heading_rad);
-    // By order of the trains, and by whether the turn is a long one.
+    // Indexed by the order of the trains and by whether the turn is more than half a turn.
     let mut found: [Option<(f64, Vec<StrokeTrain>)>; 4] = [const { None }; 4];
     for heading_rad in headings {
         let turn_um = turn_rad(robot, from.heading_rad, heading_rad) * robot.turning_radius_um;
@@ -125,7 +126,8 @@ pub fn short(robot: &Robot, from: Pose, goal: Pose, precision: Precision) -> Vec
     found
 }
 
-/// A turn of this length and a run, in this order, that end as near to a goal as they can; without a train that is no stroke long.
+/// A turn of this length and a run, in this order, that end as near to a goal as they can. A train shorter than a
+/// stroke is left out.
 fn turn_and_run(robot: &Robot, from: Pose, goal: Pose, turn_um: f64, order: [Arm; 2]) -> Vec<StrokeTrain> {
     let turn = (turn_um / robot.step_um).round();
     let turned = robot.moved(from, Arm::Down, turn * robot.step_um);

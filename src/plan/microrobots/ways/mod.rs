@@ -132,7 +132,7 @@ impl<'a> DriveTask<'a> {
         });
         let [one, other] = tried;
         one.or_else(|blocked| match other {
-            // The longer one is a valid path, though perhaps not the best one around: then the search decides.
+            // The longer one is a valid path, but perhaps not the best one around the obstruction: the search decides.
             Ok(found) if found.length_um <= bound_um + free::SLACK_UM => Ok(found),
             Ok(_) | Err(_) => Err(blocked),
         })
@@ -160,7 +160,7 @@ impl<'a> DriveTask<'a> {
         Pose { x_um: x_um - dx, y_um: y_um - dy, heading_rad }
     }
 
-    /// The turn and the run from a pose to a turning centre; `None` if it is there.
+    /// The turn and the run from a pose to a turning centre; `None` if the robot's centre is there already.
     fn leg_to(&self, from: Pose, middle_um: [f64; 2]) -> Option<[ArmSegment; 2]> {
         let here_um = self.facts().orbit_centre_um(from);
         let [dx, dy] = [0, 1].map(|axis| middle_um[axis] - here_um[axis]);
@@ -269,7 +269,7 @@ impl<'a> CornerSearch<'a> {
         self.done.insert(Self::key(state), state.cost_um);
     }
 
-    /// Whether the last leg to a state is free. Runs between corners are known from the graph.
+    /// Whether the last leg to a state is free. Runs between corners were already tested for the graph.
     fn is_reached(&self, state: &CornerState) -> bool {
         let Some(before) = self.states.get(state.before as usize) else { return true };
         let leg = self.task.leg_to(before.pose, self.corners[state.corner as usize]);
