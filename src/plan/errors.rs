@@ -285,7 +285,7 @@ pub fn not_from_here(step: Span, tried: usize) -> Diagnostic {
         .help("send the parts that this step moves to goals of their own before, instead of with `any` or `among`")
 }
 
-/// Report of goals of `any`, more of which lie in some region than parts can come there.
+/// Report of goals of `any` that lie where fewer parts can come than there are goals.
 pub fn goals_out_of_reach(step: Span, name: &str, [goals, parts]: [usize; 2], goal: &str) -> Diagnostic {
     let (few, verb) = (if parts == 1 { "part" } else { "parts" }, if goals == 1 { "lies" } else { "lie" });
     let (all, beside) = if goals == 1 { ("goal", String::new()) } else { ("goals", format!(", {goal} among them")) };

@@ -1,8 +1,8 @@
 //! Planners: from a job to a plan with its cost, a lower bound, and whether it is proven optimal.
 //!
-//! Input: the [`Claims`] of a schedule. Output: a [`Plan`] for each job. Promise: a job ends in a plan, in a proof that there is
-//! none (with the smallest set of blocking obstacles that could be found), or in a search that gave up and names its budget; an
-//! empty plan never means "no". Same request, same plan: budgets count steps, never seconds.
+//! Input: the [`Claims`] of a schedule. Output: a [`Plan`] for each job. Promise: a job ends in a plan, in a proof that
+//! there is none (with the smallest set of blocking obstacles that could be found), or in a search that gave up and
+//! names its budget; an empty plan never means "no". Same request, same plan: budgets count steps, never seconds.
 
 pub mod dimibot;
 pub mod electrode_array;

@@ -1,8 +1,8 @@
 //! Checks the limits of a task against the outcomes of its plan.
 //!
-//! Input: a job, its plan, and what the planner of its kind knows of each limit that the plan misses. Output: whether all limits
-//! are kept; each missed one is reported. Promise: "no plan" is only reported where the kind has a proof, and a help names only a
-//! plan or a limit that works.
+//! Input: a job, its plan, and what the planner of its kind knows of each limit that the plan misses. Output: whether
+//! all limits are kept; each missed one is reported. Promise: "no plan" is only reported where the kind has a proof,
+//! and a help names only a plan or a limit that works.
 
 use super::Plan;
 use super::errors::{self, LimitTexts, LimitVerdict};
@@ -20,16 +20,17 @@ pub enum Kept {
     No,
 }
 
-/// A kind's knowledge of an upper limit, or an upper side of `==`, that its plan misses. The default knows nothing: the report then says
-/// that no plan was found.
+/// A kind's knowledge of an upper limit, or an upper side of `==`, that its plan misses. The default knows nothing: the
+/// report then says that no plan was found.
 #[derive(Debug, Default)]
 pub struct KnownLimit {
     /// Proven: no plan keeps all limits of the job at once.
     pub none_keeps_all: bool,
-    /// Proven lower bound, in SI units, on this outcome for plans that keep the other limits. A bound that ignores the other limits
-    /// is valid too.
+    /// Proven lower bound, in SI units, on this outcome for plans that keep the other limits. A bound that ignores the
+    /// other limits is valid too.
     pub least: Option<f64>,
-    /// Another plan of the same job, such as one for another objective. It is named only where it keeps all the other limits.
+    /// Another plan of the same job, such as one for another objective. It is named only where it keeps all the other
+    /// limits.
     pub other: Option<Plan<()>>,
     /// Advice on finding a plan where none was found and nothing is proven.
     pub advice: Option<String>,

@@ -6,7 +6,7 @@ use super::watch::{self, BEAT_STEPS};
 /// Result of a search. An empty plan never means "no", and a search that ended early proves nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SearchAnswer<P, I, G = GaveUp> {
-    /// A plan, with the bound below which there is none.
+    /// A plan, with a lower bound on the cost of any plan.
     Found(P),
     /// Proven: there is no plan, and why.
     Impossible(I),

@@ -173,8 +173,8 @@ pub enum AssemblyStage {
         /// Pose at which `robot` begins to orbit.
         to: Pose,
     },
-    /// The first two robots, in the paper's two stages: `first` is driven while `second` orbits; then `second` is driven while
-    /// `first` runs straight; then both reach their goals in a fine motion of three primitives.
+    /// The first two robots, in the paper's two stages: `first` is driven while `second` orbits; then `second` is
+    /// driven while `first` runs straight; then both reach their goals in a fine motion of three primitives.
     Pair {
         first: usize,
         second: usize,

@@ -1,10 +1,10 @@
 //! Paths of a given length: straight, turn, straight, turn, straight.
 //!
-//! Input: a robot, its start and end pose, the length of its path, and the least length of its last straight segment. Output: such
-//! paths, as many as a grid of first segments gives. Promise: every path is exact up to rounding. Method: given the first segment
-//! l0 and the sum of both turns (known up to full circles), the ends of the middle segment l1 lie on a ray whose points are known
-//! up to the last segment l2, and |w - l2 u| = P - l2 has one solution, where w is the vector between the centres of the two
-//! circles, u the last heading and P the length of l1 and l2 together.
+//! Input: a robot, its start and end pose, the length of its path, and the least length of its last straight segment.
+//! Output: such paths, as many as a grid of first segments gives. Promise: every path is exact up to rounding. Method:
+//! given the first segment l0 and the sum of both turns (known up to full circles), the ends of the middle segment l1
+//! lie on a ray whose points are known up to the last segment l2, and |w - l2 u| = P - l2 has one solution, where w is
+//! the vector between the centres of the two circles, u the last heading and P the length of l1 and l2 together.
 
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
@@ -49,8 +49,8 @@ pub fn turn_straight_turn(robot: &Robot, from: Pose, to: Pose) -> [ArmSegment; 3
     ]
 }
 
-/// Paths between two poses, the shortest first: straight by one of the first lengths, turn–straight–turn, straight by one of the
-/// last lengths.
+/// Paths between two poses, the shortest first: straight by one of the first lengths, turn–straight–turn, straight by
+/// one of the last lengths.
 pub fn detours(robot: &Robot, from: Pose, to: Pose, firsts_um: &[f64], lasts_um: &[f64]) -> Vec<Vec<ArmSegment>> {
     let way = |first_um: f64, last_um: f64| {
         let [leave, arrive] = [robot.moved(from, Arm::Up, first_um), robot.moved(to, Arm::Up, -last_um)];
@@ -109,7 +109,8 @@ pub fn closings(robot: &Robot, asked: &ClosingRequest) -> Vec<Vec<ArmSegment>> {
     tried.flat_map(|(first_um, circles)| closing(robot, asked, first_um, circles)).collect()
 }
 
-/// The paths with this first segment and number of full circles: none, one, or two that differ in the place of the circles.
+/// The paths with this first segment and number of full circles: none, one, or two that differ in the place of the
+/// circles.
 fn closing(robot: &Robot, asked: &ClosingRequest, first_um: f64, circles: usize) -> Vec<Vec<ArmSegment>> {
     let ClosingRequest { from, to, length_um, least_last_um, .. } = *asked;
     let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));

@@ -32,7 +32,8 @@ impl<'a> AssemblyGround<'a> {
         recognition::settled(bed, self.docks, stretch)
     }
 
-    /// Everything at rest while some robots are steered: docked bodies, and the orbit discs of all others, which must have room.
+    /// Everything at rest while some robots are steered: docked bodies, and the orbit discs of all others, which must
+    /// have room.
     pub fn fixtures(&self, bed: &AssemblyState, steered: &[usize]) -> Result<Fixtures, StuckAssembly> {
         let rests = (0..bed.poses.len()).filter(|robot| bed.docked[*robot]);
         let bodies = rests.map(|robot| self.world.rectangle(robot, bed.poses[robot])).collect();

@@ -32,10 +32,10 @@ use bed::{AssemblyState, StageAddition};
 use ground::AssemblyGround;
 use orders::{AssemblyMove, Orders};
 
-/// Stages planned in total, over all orders tried.
+/// Most stages planned in total, over all orders tried.
 pub const MAX_PLANS: usize = 400;
 
-/// Stages planned after the first assembly was found, in search of a faster one.
+/// Most stages planned after the first assembly was found, in search of a faster one.
 pub const MAX_MORE_PLANS: usize = 24;
 
 /// Fine motion with which a stage is planned to end. The controller makes its own from the measured poses.
@@ -81,7 +81,7 @@ pub const DIRECT: PlannedFineMotions = PlannedFineMotions { pair: &WITHOUT, sing
 #[derive(Debug, Clone, Copy)]
 pub struct AssemblyTerms {
     pub fine: PlannedFineMotions,
-    /// Stages planned in total.
+    /// Most stages planned in total.
     pub most_stages: usize,
 }
 
@@ -99,11 +99,11 @@ pub struct Assembled {
 /// Why no assembly was found. Robots are indices into the order's robots.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StuckAssembly {
-    /// No control states steer these robots (one, or the first two) while `orbiting` orbits; if that is `None`: while all others
-    /// that are not docked orbit, and docked ones keep their arms up.
+    /// No control states steer these robots (one, or the first two) while `orbiting` orbits; if that is `None`: while
+    /// all others that are not docked orbit, and docked ones keep their arms up.
     Unsteerable { robots: Vec<usize>, orbiting: Option<usize> },
-    /// This robot docks while the other one orbits, for at least a full turn by then, and its goal is too near to the orbit disc of
-    /// the other; the gap is negative if it lies inside.
+    /// This robot docks while the other one orbits, for at least a full turn by then, and its goal is too near to the
+    /// orbit disc of the other; the gap is negative if it lies inside.
     GoalInOrbit { robot: usize, orbiting: usize, gap_um: f64 },
     /// At its goal the robot touches neither a docked body nor a reachable goal of another robot.
     Apart { robot: usize },
@@ -117,7 +117,8 @@ pub enum StuckAssembly {
     NoOrbit { robot: usize, blocker: RobotBlocker },
     /// Whole strokes cannot bring the robot to its goal within precision.
     Coarse { robot: usize },
-    /// The robot ends within the precision of its goal, but with a gap to its docking partner above the docking tolerance.
+    /// The robot ends within the precision of its goal, but with a gap to its docking partner above the docking
+    /// tolerance.
     Loose { robot: usize, gap_um: f64 },
     /// The budget is spent.
     GaveUp,

@@ -204,7 +204,8 @@ pub(super) struct PairingContext<'a> {
     fine: PlannedFineMotion,
     aims: [TrackAim; 2],
     cycles: Cycles<3>,
-    /// Position of the first robot's arm in its first stroke, if prescribed because consecutive legs must differ in their states.
+    /// Position of the first robot's arm in its first stroke, if prescribed because consecutive legs must differ in
+    /// their states.
     forced: Option<Arm>,
     /// By number of full circles of the first robot, whether it can then end with the heading of its goal.
     circles: [bool; CIRCLES],

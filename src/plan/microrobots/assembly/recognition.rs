@@ -1,5 +1,6 @@
-//! Recognition of docking, as the judge of schedules defines it: at the first end of a leg at which a robot is within the precision
-//! of its goal, and its body is within the docking tolerance of one that is docked, or of one that is at its own goal then.
+//! Recognition of docking, as the judge of schedules defines it: at the first end of a leg at which a robot is within
+//! the precision of its goal, and its body is within the docking tolerance of one that is docked, or of one that is at
+//! its own goal then.
 //!
 //! Input: a stretch whose robots end at their goals. Output: the same, cut after the leg at which they dock; with short
 //! cycles that is before the last leg. Promise: the judge, whose arithmetic differs in the last digits, recognises
@@ -18,7 +19,7 @@ const ROUNDING_UM: f64 = 1e-5;
 /// The same for headings.
 const ROUNDING_RAD: f64 = 1e-8;
 
-/// Upper limit of the rounding tolerance, as a share of the limit that it is added to.
+/// Upper limit of the rounding tolerance, as a share of the limit that it widens or narrows.
 const ROUNDING_SHARE: f64 = 0.01;
 
 /// Cuts a stretch where its robots dock.

@@ -1,8 +1,8 @@
 //! The path of one robot as arm positions and whole strokes.
 //!
-//! Input: a path of arcs and straight lines in micrometres, and its required end. Output: the same path in whole strokes, of a
-//! given total number where required. Promise: the returned path ends within the precision; its pieces change by a few strokes
-//! each.
+//! Input: a path of arcs and straight lines in micrometres, and its required end. Output: the same path in whole
+//! strokes, of a given total number where required. Promise: the returned path ends within the precision; its pieces
+//! change by a few strokes each.
 
 use crate::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot, wrapped_rad};
@@ -130,8 +130,8 @@ pub fn composed(frame: Pose, pose: Pose) -> Pose {
 
 /// A path in whole strokes that ends at the goal within precision, of exactly `total` strokes; `None` if none is found.
 ///
-/// Rounding preserves the sums of turns and of straight lines approximately; a descent that moves strokes between pieces removes
-/// the remaining error.
+/// Rounding preserves the sums of turns and of straight lines approximately; a descent that moves strokes between
+/// pieces removes the remaining error.
 pub fn whole(robot: &Robot, from: Pose, way: &[ArmSegment], aim: &TrackAim, total: u64) -> Option<ArmTrack> {
     let mut pieces = rounded(robot, way);
     let excess = pieces.iter().map(|piece| piece.1).sum::<u64>() as i64 - total as i64;
@@ -185,7 +185,8 @@ fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..count).flat_map(move |one| (0..count).map(move |other| (one, other)))
 }
 
-/// Each piece in whole strokes, such that neither the turns nor the straight lines accumulate more than half a stroke of error.
+/// Each piece in whole strokes, such that neither the turns nor the straight lines accumulate more than half a stroke
+/// of error.
 fn rounded(robot: &Robot, way: &[ArmSegment]) -> Vec<(Arm, u64)> {
     let mut owed = [0.0; 2];
     let round = |&ArmSegment { arm, way_um }: &ArmSegment| {

@@ -17,7 +17,7 @@ const LOOKS_PER_WIDTH: f64 = 8.0;
 /// coarsely.
 const MOST_LOOKS: f64 = 4096.0;
 
-/// Thing that a robot would run into, as an index into the order's.
+/// Thing that a robot would run into, as an index into the order's obstacles or robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InTheWay {
     Obstacle(usize),

@@ -14,7 +14,8 @@
 //! brings a robot into an obstacle or into another robot that it is not to meet, as far as their poses are known: a
 //! correction that the plan does not have may need more room.
 //!
-//! Everything is allocated before the first measurement. Without errors (all bounds 0) the legs of the plan are carried out as written.
+//! Everything is allocated before the first measurement. Without errors (all bounds 0) the legs of the plan are carried
+//! out as written.
 
 mod ahead;
 mod belief;
@@ -48,8 +49,8 @@ pub struct Segment {
 /// Action until the next measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command<'c> {
-    /// These segments one after the other, then the relax level, which moves nothing and keeps the arms, until the next command. The next
-    /// measurement is due at `until_ns`.
+    /// These segments one after the other, then the relax level, which moves nothing and keeps the arms, until the next
+    /// command. The next measurement is due at `until_ns`.
     Drive { segments: &'c [Segment], until_ns: u64 },
     /// 0 V: all arms up, nothing moves.
     Rest { until_ns: u64 },

@@ -104,7 +104,8 @@ fn silence_and_a_clock_that_goes_back_stop_it() {
     assert_eq!(reason(&controller, 9), Some(StopReason::Clock));
 }
 
-/// Measures one pose of the robot after the other, as long as it is driven; the number of answers, and why it was given up.
+/// Measures one pose after the other while the robot is driven. Returns the number of answers, and why the task was
+/// given up.
 fn answers(at: impl Fn(u32, Pose) -> Pose) -> (u32, Option<Stop>) {
     let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
     let mut controller = Controller::new(&order, &motion).expect("the errors are known");
@@ -146,7 +147,7 @@ fn a_robot_that_stalls_for_a_while_is_driven_on() {
     let stalled = |length: u32| {
         let last = Cell::new(pose(1500.0, 900.0, 30.0));
         answers(move |nth, driven| {
-            // It stalls in some intervals of ten.
+            // It stalls in some of every ten intervals.
             if nth % 10 > length || nth < 10 {
                 last.set(driven);
             }

@@ -5,16 +5,16 @@
 //! time in which the step could end. Output: the obstacles that it must meet before that, or nothing, which proves
 //! nothing.
 //!
-//! Method: only the robot's own arm counts, so a sequence of control states is one of its arm positions. Let p be the
-//! path run straight so far and q the path turned. The heading then is that of its pose plus q / r. The turning centre
-//! rests while the robot turns and moves along the heading while it runs. So it has moved by a sum of vectors whose
-//! lengths add up to p and whose directions lie between the first heading and the present one, at an angle of w = q /
-//! r. The component of this sum along the bisector of the two headings lies between p cos(w / 2) and p; the component
-//! across it is at most p sin(w / 2). The poses after (p, q) therefore lie within a known distance of one pose. The
-//! plane of p and q is cut into squares. A square is closed if, at its middle pose, the body is nearer to an obstacle
-//! than the clearance by more than any pose of the square is off. A plan is a path in the plane to the right and up
-//! that enters no closed square. The squares that can be reached without entering one are searched depth first; if none
-//! is as far as the step needs, there is no plan.
+//! Method: only the robot's own arm counts, so a sequence of control states is a sequence of its arm positions. Let p
+//! be the path run straight so far and q the path turned. The heading then is that of its pose plus q / r. The turning
+//! centre rests while the robot turns and moves along the heading while it runs. So it has moved by a sum of vectors
+//! whose lengths add up to p and whose directions lie between the first heading and the present one, at an angle of w =
+//! q / r. The component of this sum along the bisector of the two headings lies between p cos(w / 2) and p; the
+//! component across it is at most p sin(w / 2). The poses after (p, q) therefore lie within a known distance of one
+//! pose. The plane of p and q is cut into squares. A square is closed if, at its middle pose, the body is nearer to an
+//! obstacle than the clearance by more than any pose of the square is off. A plan is a path in the plane to the right
+//! and up that enters no closed square. The squares that can be reached without entering one are searched depth first;
+//! if none is as far as the step needs, there is no plan.
 //!
 //! Promise: a proof for every schedule that the verifier accepts, since it is looser than the collision rules by
 //! `LOOSE_UM`. Not promised: that a proof is found where there is one. Other robots are ignored, and so are differences

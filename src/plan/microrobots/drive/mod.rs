@@ -1,14 +1,14 @@
 //! Drives one robot through its stops, while all others move along with every stroke.
 //!
-//! Input: the bed, the robot, the stops. Output: legs of the whole bed under which the robot reaches every stop at the end of a leg
-//! without a forbidden collision; or why none were found.
+//! Input: the bed, the robot, the stops. Output: legs of the whole bed under which the robot reaches every stop at the
+//! end of a leg without a forbidden collision; or why none were found.
 //!
-//! Method: first one or two trains of strokes that end within the precision, where they cost less than the path to the stop itself;
-//! then the path of the driven robot alone (`ways`), in whole strokes (`strokes`). Any control state with its arm in the
-//! position that a leg needs can drive this leg; states are tried leg by leg, depth first, those first in which the fewest other
-//! robots run, since robots that turn stay in place (`choice`). If no choice is free of collisions, the collision partner becomes
-//! an obstacle of the driven robot: the body of a robot where they met, or the disc of one that orbits; and the path is searched
-//! again.
+//! Method: first one or two trains of strokes that end within the precision, where they cost less than the path to the
+//! stop itself; then the path of the driven robot alone (`ways`), in whole strokes (`strokes`). Any control state with
+//! its arm in the position that a leg needs can drive this leg; states are tried leg by leg, depth first, those first
+//! in which the fewest other robots run, since robots that turn stay in place (`choice`). If no choice is free of
+//! collisions, the collision partner becomes an obstacle of the driven robot: the body of a robot where they met, or
+//! the disc of one that orbits; and the path is searched again.
 //!
 //! Promise: the legs are free of collisions by `World::first_hit`, and the stops are met within the precision. Not
 //! promised: that legs are found where there are some, nor the fewest strokes. Apart from those short drives the stops
@@ -59,8 +59,8 @@ pub struct Driven {
     /// Number of legs after which each stop is met; ascending.
     pub met: Vec<usize>,
     pub strokes: u64,
-    /// Strokes of the shortest path to the stops themselves, without obstacles. Drives that stop short within the precision may
-    /// have fewer.
+    /// Strokes of the shortest path to the stops themselves, without obstacles. Drives that stop short within the
+    /// precision may have fewer.
     pub exact_strokes: u64,
     /// Whether it has at most `exact_strokes` plus one per leg.
     pub direct: bool,
@@ -96,11 +96,11 @@ pub enum Thing {
 pub enum StuckReason {
     /// A proof: the robot is docked.
     Docked,
-    /// A proof if every plan has the robot here before this stop: it must turn, and no control state lowers its arm while keeping
-    /// those of docked robots up.
+    /// A proof if every plan has the robot here before this stop: it must turn, and no control state lowers its arm
+    /// while keeping those of docked robots up.
     NeverTurns,
-    /// A proof if every plan has the robot here before this stop: it must run straight, and no control state raises its arm while
-    /// keeping those of docked robots up.
+    /// A proof if every plan has the robot here before this stop: it must run straight, and no control state raises its
+    /// arm while keeping those of docked robots up.
     NeverRuns,
     /// A proof if every plan has the robot here before this stop: at its current pose it is too near to this to move.
     Start(Thing),
@@ -114,7 +114,8 @@ pub enum StuckReason {
     TooFine,
     /// The budget ran out during the choice of control states. No proof.
     OutOfBudget,
-    /// It has a path, but every choice of control states that was tried causes a collision; this is the latest one. No proof.
+    /// It has a path, but every choice of control states that was tried causes a collision; this is the latest one. No
+    /// proof.
     Meets(FirstMeeting),
 }
 
@@ -347,7 +348,8 @@ impl Around {
         }
     }
 
-    /// Adds the collision partner as an obstacle; `false` if the driven robot did not collide, or the obstacle exists already.
+    /// Adds the collision partner as an obstacle; `false` if the driven robot did not collide, or the obstacle exists
+    /// already.
     fn add(&mut self, request: &Drive, legs: &[Leg], hit: FirstMeeting) -> bool {
         let Drive { world, bed, robot, .. } = *request;
         let (other, with) = match hit.meeting {

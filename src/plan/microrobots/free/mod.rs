@@ -1,28 +1,29 @@
 //! The shortest path of one robot between two poses without obstacles (a one-sided Dubins path).
 //!
-//! The problem: a robot runs straight (arm up) or turns to one side, always the same, on a circle of radius r (arm down).
+//! Problem: a robot runs straight (arm up) or turns to one side, always the same, on a circle of radius r (arm down).
 //!
-//! Method: consider the centre of its turning circle. While the robot turns, the centre rests; while it runs straight, the centre
-//! moves along the heading. So a path is a polyline from the first centre c0 to the last one c1; its edges are run with the heading
-//! at that time, the turns happen at its corners, and it costs its length + r × the total turning angle T. Headings only change in
-//! one sense, so T = T0 + 2πk, where T0 in [0, 2π) is the angle from the first heading to the last one. Let d = c1 − c0.
+//! Method: consider the centre of its turning circle. While the robot turns, the centre rests; while it runs straight,
+//! the centre moves along the heading. So a path is a polyline from the first centre c0 to the last one c1; its edges
+//! are run with the heading at that time, the turns happen at its corners, and it costs its length + r × the total
+//! turning angle T. Headings only change in one sense, so T = T0 + 2πk, where T0 in [0, 2π) is the angle from the first
+//! heading to the last one. Let d = c1 − c0.
 //!
-//! For given T the edges express d as a sum of vectors whose directions lie in the arc of headings that the turn sweeps, and every
-//! order of headings along the arc is a path. The least sum of lengths is the gauge of d with respect to the convex hull of that
-//! arc of the unit circle and the origin:
+//! For given T the edges express d as a sum of vectors whose directions lie in the arc of headings that the turn
+//! sweeps, and every order of headings along the arc is a path. The least sum of lengths is the gauge of d with respect
+//! to the convex hull of that arc of the unit circle and the origin:
 //! - d points into the arc: |d| by one edge, which is least, since no sum is below |d|. That is turn–straight–turn.
-//! - d points beside the arc, and T0 > π: the hull is bounded there by the chord between the first and the last heading, and the
-//!   least sum uses these two only. That is straight–turn–straight.
-//! - d points beside the arc, and T0 ≤ π: d is no such sum. (At T0 = π the arc is a closed half-circle, and d points to its other
-//!   side.)
+//! - d points beside the arc, and T0 > π: the hull is bounded there by the chord between the first and the last
+//!   heading, and the least sum uses these two only. That is straight–turn–straight.
+//! - d points beside the arc, and T0 ≤ π: d is no such sum. (At T0 = π the arc is a closed half-circle, and d points to
+//!   its other side.)
 //! - k ≥ 1: the arc is the whole circle, |d| by one edge; k = 1 is the cheapest of these.
 //!
-//! So the optimum is turn–straight–turn with T = T0 if d points into the arc, and otherwise the better of straight–turn–straight
-//! with T0 (if T0 > π) and turn–straight–turn with T0 + 2π. Shorter words are these with zeros in them. Everything has a closed
-//! form.
+//! So the optimum is turn–straight–turn with T = T0 if d points into the arc, and otherwise the better of
+//! straight–turn–straight with T0 (if T0 > π) and turn–straight–turn with T0 + 2π. Shorter words are these with zeros
+//! in them. Everything has a closed form.
 //!
-//! Promise: the path ends at the goal up to [`SLACK_UM`] and [`SLACK_RAD`]. Without these slacks, rounding could cost a full circle
-//! for a goal exactly ahead.
+//! Promise: the path ends at the goal up to [`SLACK_UM`] and [`SLACK_RAD`]. Without these slacks, rounding could cost a
+//! full circle for a goal exactly ahead.
 
 use crate::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot};
@@ -201,8 +202,8 @@ pub fn least_um(robot: &Robot, from: PoseWithin, to: PoseWithin) -> f64 {
     ways.length_um(0).min(ways.length_um(1))
 }
 
-/// The optimum of the module's documentation with every quantity at its cheapest within the slacks: each centre lies within place +
-/// r × heading of the pose's own, and the frame of the first heading may be rotated by its slack.
+/// The optimum of the module's documentation with every quantity at its cheapest within the slacks: each centre lies
+/// within place + r × heading of the pose's own, and the frame of the first heading may be rotated by its slack.
 pub fn least_ways(robot: &Robot, from: PoseWithin, to: PoseWithin) -> LeastWays {
     let (journey, before, after) = (MirroredJourney::new(robot, from.pose, to.pose), from.slack, to.slack);
     let off_rad = before.heading_rad + after.heading_rad + SLACK_RAD;
@@ -236,8 +237,9 @@ impl MirroredJourney {
         }
     }
 
-    /// Least sum of two edges along the first and the last heading, up to `off_um`, in a frame that may be rotated. The chord's
-    /// normal bisects the gap between the two headings, and the sum is the component of d along it / the cosine of half the gap.
+    /// Least sum of two edges along the first and the last heading, up to `off_um`, in a frame that may be rotated. The
+    /// chord's normal bisects the gap between the two headings, and the sum is the component of d along it / the cosine
+    /// of half the gap.
     fn chord_um(&self, off_um: f64, off_rad: f64, tilt_rad: f64) -> f64 {
         let middle_rad = (self.turn_rad + TAU) / 2.0;
         let (sin, cos) = middle_rad.sine_cosine();

@@ -1,9 +1,10 @@
 //! Range of corrections of the fine motion, and its remaining error.
 //!
-//! Seen from the goal, let Y be the lateral place at which a robot would dock if it ran straight. It needs the curvature κ = -Y /
-//! S(D), where S(D) = D(D + l)/2 is the lateral shift of the front of a robot of length l per unit of curvature over a distance D.
-//! An interval driven with a curvature error ε changes the needed curvature by ε (S(D) - S(D')) / S(D'); the sum over all intervals
-//! must be kept in reserve on both sides. ε has two parts: that of the measurement, E(D) / S(D), and the robot's own.
+//! Seen from the goal, let Y be the lateral place at which a robot would dock if it ran straight. It needs the
+//! curvature κ = -Y / S(D), where S(D) = D(D + l)/2 is the lateral shift of the front of a robot of length l per unit
+//! of curvature over a distance D. An interval driven with a curvature error ε changes the needed curvature by ε (S(D)
+//! - S(D')) / S(D'); the sum over all intervals must be kept in reserve on both sides. ε has two parts: that of the
+//! measurement, E(D) / S(D), and the robot's own.
 
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{Cylinder, Driver, GoalFrame, steered};
@@ -94,7 +95,8 @@ fn met(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, share
         way_um = way_um.max(contact.map_or(0.0, |contact| contact.way_um));
         bend_per_um = bend_per_um.max((share - middle).abs() * per_um);
     }
-    // Between the corners everything changes monotonically except the curvature along the path; a margin of a tenth covers that.
+    // Between the corners everything changes monotonically except the curvature along the path; a margin of a tenth
+    // covers that.
     [incidence_rad, bend_per_um, way_um].map(|most| 1.1 * most)
 }
 
@@ -166,8 +168,8 @@ impl FineBounds<'_> {
         (0.8 * (self.driver.kept_um - over_um - unsure_um)).max(0.05 * self.driver.kept_um)
     }
 
-    /// Change of the needed curvature, and of the incidence with it, over all intervals; the last steered interval lies as near to
-    /// the contact as possible.
+    /// Change of the needed curvature, and of the incidence with it, over all intervals; the last steered interval lies
+    /// as near to the contact as possible.
     fn reserve(&self) -> [f64; 2] {
         let step_um = self.driver.fine_interval_um * (1.0 + self.driver.errors.speed_ratio);
         let (mut per_um, mut turned_rad) = (0.0, self.drift_per_um() * self.way_um);

@@ -7,12 +7,13 @@
 //! trials), so a stage is never called guaranteed because of them; they show what to examine first. A stage in which
 //! one does not hold may well succeed nearly always.
 //!
-//! Method: the forward projection of the gross motion is the cylinder about the approach ([`Driver::cylinder`]); it must lie in the
-//! preimage of the goal under the fine motion (`fine`), that is, within the reach of its curvatures on both sides, less the share
-//! that the errors of all intervals may consume. The error at contact is that of the last measurement and of the path after it. The
-//! goal region is enlarged by compliance: any angle within the docking limits is accepted. The paths themselves, with all possible
-//! deviations of the robots, must stay clear of everything (`room`); this test replaces the paper's C_O. Source: the paper's
-//! section 3.4, with the ranges of the three primitives assigned to the correct robots.
+//! Method: the forward projection of the gross motion is the cylinder about the approach ([`Driver::cylinder`]); it
+//! must lie in the preimage of the goal under the fine motion (`fine`), that is, within the reach of its curvatures on
+//! both sides, less the share that the errors of all intervals may consume. The error at contact is that of the last
+//! measurement and of the path after it. The goal region is enlarged by compliance: any angle within the docking limits
+//! is accepted. The paths themselves, with all possible deviations of the robots, must stay clear of everything
+//! (`room`); this test replaces the paper's C_O. Source: the paper's section 3.4, with the ranges of the three
+//! primitives assigned to the correct robots.
 
 mod dockings;
 mod fine;
@@ -36,7 +37,8 @@ use room::{GrossMotion, Surroundings};
 /// The kind of a containment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ContainmentCheck {
-    /// The cylinder about the approach in the preimage of the fine motion: its radius, and the correctable radius; in micrometres.
+    /// The cylinder about the approach in the preimage of the fine motion: its radius, and the correctable radius; in
+    /// micrometres.
     Cone,
     /// Lateral offset at which the robot may come to rest, and the docking tolerance; in micrometres.
     Place,
@@ -50,7 +52,7 @@ pub enum ContainmentCheck {
     Gross(String),
     /// The same in fine motion.
     Fine(String),
-    /// An edge must lie before the robot at its goal: 1 is required, and this many exist.
+    /// An edge must lie ahead of the robot at its goal: 1 is required, and this many exist.
     Edge,
     /// Angle that a turn of a robot needs so that no circle is driven, and its actual angle; in radians.
     Turn,
@@ -86,7 +88,8 @@ impl Containment {
 }
 
 impl Assured {
-    /// The first containment that does not hold. If there is none, the stage is still not guaranteed: these are estimates.
+    /// The first containment that does not hold. If there is none, the stage is still not guaranteed: these are
+    /// estimates.
     pub fn violated(&self) -> Option<&Containment> {
         // A margin of NaN does not hold.
         self.containments.iter().find(|containment| containment.margin().is_nan() || containment.margin() < 0.0)

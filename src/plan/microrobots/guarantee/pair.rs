@@ -1,8 +1,9 @@
 //! Bounds of the first two robots.
 //!
-//! The first is brought to its intermediate pose like any robot; then it runs straight and uncorrected for as long as the second is
-//! driven, which is bounded only if the second certainly drives no circle ([`ContainmentCheck::Turn`]). In the fine motion each of
-//! them has half of the range of curvatures. The error that remains is left to self-alignment.
+//! The first is brought to its intermediate pose like any robot; then it runs straight and uncorrected for as long as
+//! the second is driven, which is bounded only if the second certainly drives no circle ([`ContainmentCheck::Turn`]).
+//! In the fine motion each of them has half of the range of curvatures. The error that remains is left to
+//! self-alignment.
 
 use super::fine::{Last, Region};
 use super::room::{ENOUGH_UM, FineMotion, GrossMotion, Surroundings, is_looked_at, unbounded};
@@ -184,8 +185,7 @@ impl<'a> PairGuarantee<'a, '_> {
         found
     }
 
-    /// Room of the first robot's run: beside everything at rest, and beside the second robot, which is driven
-    /// meanwhile.
+    /// Room of the first robot's run, to everything around and to the second robot, which is driven meanwhile.
     fn apart(&self, around: &Surroundings, ways: &[GrossMotion; 2], missed_um: f64) -> Vec<Containment> {
         let [first, second] = [0, 1].map(|at| &self.couple.drivers[at]);
         let run_um = self.run_um(&ways[1]);

@@ -1,7 +1,7 @@
 //! Whether there is room for all possible deviations of robots from their paths.
 //!
-//! Paths are checked every few micrometres of their length, with half of that distance added to the deviation, so that nothing in
-//! between is missed.
+//! Paths are checked every few micrometres of their length, with half of that distance added to the deviation, so that
+//! nothing in between is missed.
 
 use super::StageContext;
 use super::fine::Last;
@@ -79,8 +79,8 @@ pub struct GrossMotion<'a> {
     nominal: Vec<NominalPiece>,
     /// Possible displacement of the approach with the structure.
     pub shift_um: f64,
-    /// For every turn before a run, and for the last one: the angle it needs so that no circle is driven, and its actual angle; in
-    /// radians.
+    /// For every turn before a run, and for the last one: the angle it needs so that no circle is driven, and its
+    /// actual angle; in radians.
     pub turns_rad: Vec<[f64; 2]>,
     /// The nominal length, and its possible deviation if no circle is driven.
     pub length_um: [f64; 2],
@@ -229,8 +229,9 @@ struct Stray {
 }
 
 impl Stray {
-    /// The direction lags by at most 2 ε + 2 u/D + ω D/2 plus the contribution of an interval, where ε is the error of a measured
-    /// heading, u that of a centre and ω the bound on the curvature; integrated along the path this gives the offset from the line.
+    /// The direction lags by at most 2 ε + 2 u/D + ω D/2 plus the contribution of an interval, where ε is the error of
+    /// a measured heading, u that of a centre and ω the bound on the curvature; integrated along the path this gives
+    /// the offset from the line.
     fn new(driver: &Driver, run_um: f64, off_um: f64) -> Self {
         let errors = driver.errors;
         let interval_um = driver.interval_um.min(run_um);
@@ -238,8 +239,8 @@ impl Stray {
         let centre_um = driver.centre_error_um() + driver.creep_um(driver.interval_um);
         let steady_rad = 2.0 * errors.heading_rad + drift * interval_um;
         let first_rad = 2.0 * driver.miss_rad_per_um() * interval_um;
-        // Sagitta of the most curved path. A steady error s of the measured direction adds the offset s·D·ln(L/D) at distance D
-        // from the target of a run L: at most s·L/e.
+        // Sagitta of the most curved path. A steady error s of the measured direction adds the offset s·D·ln(L/D) at
+        // distance D from the target of a run L: at most s·L/e.
         let bulge_um = drift * run_um * run_um / 8.0 + steady_rad * run_um / E;
         let place_um = off_um + 2.0 * centre_um + 1.1 * bulge_um + first_rad * interval_um;
         // The slope of that offset, s·(1 + ln(L/D)), at the last interval.

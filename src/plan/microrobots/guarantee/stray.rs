@@ -3,8 +3,8 @@
 use crate::device::microrobots::{Arm, Errors, Robot};
 use crate::real::Real;
 
-/// Bounds on the distance of the centre of a robot's orbit from that of the plan, and on the difference of headings. With both, a
-/// point of the body is off by at most the first plus its own distance from the centre times the second.
+/// Bounds on the distance of the centre of a robot's orbit from that of the plan, and on the difference of headings.
+/// With both, a point of the body is off by at most the first plus its own distance from the centre times the second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrayBound {
     pub centre_um: f64,
@@ -20,9 +20,9 @@ impl StrayBound {
 
     /// Bounds after a nominal path with the arm down or up.
     ///
-    /// The centre C of a robot of turning radius r that runs on a path of curvature k moves with its heading by (1 - r k) for each
-    /// unit of path: with the arm down k is 1/r up to the error of turning, with the arm up it is that error alone. The path is
-    /// longer or shorter by the error of speed, in which the turn goes on or not.
+    /// The centre C of a robot of turning radius r that runs on a path of curvature k moves along its heading by (1 - r
+    /// k) per unit of path. With the arm down, k is 1/r up to the error of turning; with the arm up, it is that error
+    /// alone. The error of speed makes the path longer or shorter, and with the arm down the turn as well.
     pub fn after(self, robot: &Robot, arm: Arm, way_um: f64, errors: &Errors) -> Self {
         let radius_um = robot.turning_radius_um;
         let bent_rad = errors.turning_rad_per_um * way_um * (1.0 + errors.speed_ratio);

@@ -13,8 +13,8 @@
 //!
 //! If all errors are 0, measuring changes nothing: the legs of the plan are carried out as written.
 //!
-//! The same seed gives the same report, whatever the number of threads: a trial depends on the seed and its own index alone.
-//! Cost grows with trials times the path length over the interval.
+//! The same seed gives the same report, whatever the number of threads: a trial depends on the seed and its own index
+//! alone. Cost grows with trials times the path length over the interval.
 
 mod area;
 mod disturbances;
@@ -79,8 +79,8 @@ impl<'a> SimulatedBed<'a> {
     }
 }
 
-/// Report on `trials` trials (at most [`MAX_TRIALS`]) of a plan by the controller; `None` if the device does not bound its errors, or
-/// nothing is assembled.
+/// Report on `trials` trials (at most [`MAX_TRIALS`]) of a plan by the controller; `None` if the device does not bound
+/// its errors, or nothing is assembled.
 pub fn simulate(
     order: &MicrorobotsOrder,
     motion: &MicrorobotsMotion,

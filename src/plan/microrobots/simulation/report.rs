@@ -16,7 +16,7 @@ pub struct Spread {
     pub max: f64,
 }
 
-/// How a robot reached its place, over all trials in which it at least met its structure; errors without signs.
+/// How a robot reached its place, over all trials in which it at least met its structure; absolute errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Dockings {
     /// Index into the order's robots.

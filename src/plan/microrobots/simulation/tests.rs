@@ -326,7 +326,8 @@ fn a_third_robot_follows_the_structure() {
     let assured = guarantees(&order, &motion).expect("the errors are known");
     assert_eq!(assured.iter().map(|stage| stage.robots.len()).collect::<Vec<_>>(), [2, 1]);
     assert_eq!(assured[0].violated(), None);
-    // The possible displacement of the structure is counted twice near the structure itself, so the room seems too small.
+    // The possible displacement of the structure is counted twice near the structure itself, so the room seems too
+    // small.
     assert!(assured[1].violated().is_none_or(|held| held.check == ContainmentCheck::Gross("D3".into())));
     let report = simulate(&order, &motion, 300, 7, 2).expect("the errors are known");
     assert_eq!(report.successes, 300, "{:?}", report.failures);

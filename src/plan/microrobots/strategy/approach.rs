@@ -11,7 +11,8 @@ const HALVINGS: usize = 40;
 /// Newton steps for the path length to the contact.
 const NEWTON_STEPS: usize = 20;
 
-/// A goal in its robot's frame: x ahead, y to the side to which it turns, so that every robot seems to turn counter-clockwise.
+/// A goal in its robot's frame: x ahead, y to the side to which it turns, so that every robot seems to turn
+/// counter-clockwise.
 #[derive(Debug, Clone, Copy)]
 pub struct GoalFrame {
     pub goal: Pose,
@@ -116,8 +117,8 @@ pub fn bent(pose: Pose, turn_per_um: f64, way_um: f64) -> Pose {
     }
 }
 
-/// The share of turning, within bounds, that docks a robot in its place; and the lateral offset from its place with that share, 0
-/// if the place is within reach.
+/// The share of turning, within bounds, that docks a robot in its place; and the lateral offset from its place with
+/// that share, 0 if the place is within reach.
 pub fn steered(driver: &Driver, frame: &GoalFrame, measured: Pose, [least, most]: [f64; 2]) -> (f64, f64) {
     let seen = frame.seen(measured);
     let per_um = 1.0 / driver.robot.turning_radius_um;

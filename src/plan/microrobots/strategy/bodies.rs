@@ -83,8 +83,8 @@ pub fn obstacles(order: &MicrorobotsOrder) -> Vec<StrategySolid> {
     order.obstacles.iter().filter_map(solid).collect()
 }
 
-/// Signed distance between a robot's front at its goal and the nearest of some bodies that it faces; `None` if none is within the
-/// tolerance. A body beside its way, whose side is farther forward, is not faced.
+/// Signed distance between a robot's front at its goal and the nearest of some bodies that it faces; `None` if none is
+/// within the tolerance. A body beside its path, whose side is farther forward, is not faced.
 pub fn edge_gap_um(robot: &Robot, goal: Pose, bodies: &[(&Robot, Pose)], tolerance_um: f64) -> Option<f64> {
     let (sin, cos) = goal.heading_rad.sine_cosine();
     let at_goal = body(robot, goal, 0.0);

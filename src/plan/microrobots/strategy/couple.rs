@@ -99,8 +99,8 @@ impl<'a> Couple<'a> {
         (self.approach[0].x_um - from.x_um) * cos + (self.approach[0].y_um - from.y_um) * sin
     }
 
-    /// Delay of the first robot, as a distance, if both were driven to their approaches, the first via the intermediate pose;
-    /// between minus and plus half of the second one's circle.
+    /// Delay of the first robot, as a distance, if both were driven to their approaches, the first via the intermediate
+    /// pose; between minus and plus half of the second one's circle.
     pub fn late_um(&self, pursuits: [&Pursuit; 2], measured: [Pose; 2]) -> f64 {
         let first_um = match pursuits[0].phase {
             Phase::Arrived => self.run_um(measured[0]),
@@ -130,7 +130,8 @@ impl<'a> Couple<'a> {
         pursuit.aim(&self.drivers[0], self.intermediate());
     }
 
-    /// The centre of a loop of the first robot that compensates for its being late: the paper's racetrack, beside the line.
+    /// The centre of a loop of the first robot that compensates for its being late: the paper's racetrack, beside the
+    /// line.
     pub fn racetrack(&self, late_um: f64) -> [f64; 2] {
         let driver = &self.drivers[0];
         let circles_um = [driver, &self.drivers[1]].map(|driver| TAU * driver.robot.turning_radius_um);

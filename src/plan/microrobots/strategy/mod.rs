@@ -1,31 +1,33 @@
-//! The closed-loop strategy that brings robots to their goals, defined once: `simulate` executes it, `guarantee` bounds it.
+//! The closed-loop strategy that brings robots to their goals, defined once: `simulate` executes it, `guarantee` bounds
+//! it.
 //!
-//! Input: the data of a robot and the bounds on the errors; a measured pose. Output: the arm's actions until the next measurement.
-//! The two steps are those of the paper's section 3.2 (error detection and recovery).
+//! Input: the data of a robot and the bounds on the errors; a measured pose. Output: the arm's actions until the next
+//! measurement. The two steps are those of the paper's section 3.2 (error detection and recovery).
 //!
-//! **Gross motion** (`pursuit`). While its arm is down a robot turns about a fixed centre; while it is up the centre moves along
-//! the heading. So a path is a list of centres, and after the last one a turn to the required heading. A robot turns to one side
-//! only, so an error of its heading to the other side costs a circle. Hence it never turns all the way to its target: it keeps a
-//! lag, the largest drift to the bad side that the bounds allow on the rest of the path, plus the uncertainty of the measurement.
-//! With the lag λ(D) = u + asin(ωD/2), where D is the distance, ω the bound on the curvature and u the uncertainty of the measured
-//! direction, the true direction of the target stays on the good side all the way: asin(ωD/2) is the angle of the chord of the most
-//! curved path, and a path that starts outside of it and bends less stays outside. Excess over the lag is corrected at every
-//! measurement, at once and cheaply. The remainder at the target is the excess of the last interval; [`Driver::cylinder`] bounds
-//! it. A circle is driven where a new target lies less than the lag ahead, and where the heading has passed the last one; that is
-//! the paper's δ(t_2π).
+//! **Gross motion** (`pursuit`). While its arm is down a robot turns about a fixed centre; while it is up the centre
+//! moves along the heading. So a path is a list of centres, and after the last one a turn to the required heading. A
+//! robot turns to one side only, so an error of its heading to the other side costs a circle. Hence it never turns all
+//! the way to its target: it keeps a lag, the largest drift to the bad side that the bounds allow on the rest of the
+//! path, plus the uncertainty of the measurement. With the lag λ(D) = u + asin(ωD/2), where D is the distance, ω the
+//! bound on the curvature and u the uncertainty of the measured direction, the true direction of the target stays on
+//! the good side all the way: asin(ωD/2) is the angle of the chord of the most curved path, and a path that starts
+//! outside of it and bends less stays outside. Excess over the lag is corrected at every measurement, at once and
+//! cheaply. The remainder at the target is the excess of the last interval; [`Driver::cylinder`] bounds it. A circle is
+//! driven where a new target lies less than the lag ahead, and where the heading has passed the last one; that is the
+//! paper's δ(t_2π).
 //!
-//! **Fine motion** (`approach`). At every measurement the share of the cycle with the arm down is chosen so that the robot is
-//! laterally in its place once one of its front corners has met the edge and it has turned about that corner until its front lies
-//! flat. Since the bed may rest, an interval of the fine motion is at most a tenth of its length, whatever the time between
-//! measurements. When less than an eighth would be left after another interval, the share is kept until contact: so near, a
-//! measurement changes the place by less than its own error.
+//! **Fine motion** (`approach`). At every measurement the share of the cycle with the arm down is chosen so that the
+//! robot is laterally in its place once one of its front corners has met the edge and it has turned about that corner
+//! until its front lies flat. Since the bed may rest, an interval of the fine motion is at most a tenth of its length,
+//! whatever the time between measurements. When less than an eighth would be left after another interval, the share is
+//! kept until contact: so near, a measurement changes the place by less than its own error.
 //!
-//! **Two robots at once** (`couple`). The second orbits while the first is driven, and the first runs straight, uncorrected, while
-//! the second is driven. They arrive simultaneously if the first has as far to run along its line as the second has to its
-//! approach; a delay of the first is compensated by sliding the pose at which its own drive ends along its line, and, where that
-//! does not help, by a racetrack. If they still miss each other by too much of the fine motion, everything restarts from the
-//! measured poses. In the fine motion the first turns for at most, the second for at least half of a cycle, so that each can be
-//! steered independently; they stick together where they meet.
+//! **Two robots at once** (`couple`). The second orbits while the first is driven, and the first runs straight,
+//! uncorrected, while the second is driven. They arrive simultaneously if the first has as far to run along its line as
+//! the second has to its approach; a delay of the first is compensated by sliding the pose at which its own drive ends
+//! along its line, and, where that does not help, by a racetrack. If they still miss each other by too much of the fine
+//! motion, everything restarts from the measured poses. In the fine motion the first turns for at most, the second for
+//! at least half of a cycle, so that each can be steered independently; they stick together where they meet.
 
 mod approach;
 mod bodies;
@@ -166,8 +168,8 @@ impl<'a> Driver<'a> {
         self.centre_miss_um() - self.centre_error_um()
     }
 
-    /// Least distance to a target at which a corrected interval ends, so that no target is passed unnoticed, and the noise of a
-    /// measured centre turns the robot only slightly.
+    /// Least distance to a target at which a corrected interval ends, so that no target is passed unnoticed, and the
+    /// noise of a measured centre turns the robot only slightly.
     pub fn guard_um(&self) -> f64 {
         let passed_um = self.centre_error_um() + self.errors.speed_ratio * self.interval_um;
         (2.0 * passed_um).max(SURE_CENTRES * self.centre_error_um()) + SAME_UM
@@ -185,7 +187,8 @@ impl<'a> Driver<'a> {
         across_um.hypotenuse(along_um).max(self.capture_um() + centre_um)
     }
 
-    /// Bound on the true end of the gross motion: the paper's δ(t_2π) for this strategy, measured once more and accepted.
+    /// Bound on the true end of the gross motion: the paper's δ(t_2π) for this strategy, measured once more and
+    /// accepted.
     pub fn cylinder(&self) -> Cylinder {
         let heading_rad = self.errors.heading_rad + self.near_interval_um * self.miss_rad_per_um() + 1e-9;
         let circle_um = self.creep_um(TAU * self.robot.turning_radius_um);

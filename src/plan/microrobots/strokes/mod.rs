@@ -1,17 +1,17 @@
 //! Rounding of a path to whole strokes.
 //!
-//! The problem: a stroke moves a robot by some nanometres and turns it by step / radius; a heading that is off by half of that is
-//! off by micrometres at the end of a long leg.
+//! Problem: a stroke moves a robot by some nanometres and turns it by step / radius; a heading that is off by half of
+//! that is off by micrometres at the end of a long leg.
 //!
-//! Method: as in `free`, the path is the polyline of the centres of the robot's turning circle, and its headings are counted in
-//! strokes of turning. Edge by edge, the polyline's next corner is aimed at from the robot's exact position, so errors do not
-//! accumulate. An edge whose rounded heading would miss its corner by too much is run in two parts with one stroke of turning
-//! between them: the two neighbouring headings span every direction between them, so only the rounding of their lengths remains.
-//! The last corner is that of the rounded last heading.
+//! Method: as in `free`, the path is the polyline of the centres of the robot's turning circle, and its headings are
+//! counted in strokes of turning. Edge by edge, the polyline's next corner is aimed at from the robot's exact position,
+//! so errors do not accumulate. An edge whose rounded heading would miss its corner by too much is run in two parts
+//! with one stroke of turning between them: the two neighbouring headings span every direction between them, so only
+//! the rounding of their lengths remains. The last corner is that of the rounded last heading.
 //!
-//! Promise: the end is within the given precision of the goal, or nothing is returned; it is computed from the robot's exact steps.
-//! The path differs from the given one by less than [`ASTRAY`] of the precision at its corners, apart from rounding of single
-//! strokes.
+//! Promise: the end is within the given precision of the goal, or nothing is returned; it is computed from the robot's
+//! exact steps. The path differs from the given one by less than [`ASTRAY`] of the precision at its corners, apart from
+//! rounding of single strokes.
 
 use super::free::{ArmSegment, turn_rad};
 use crate::claims::microrobots::Precision;

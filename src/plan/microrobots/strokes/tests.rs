@@ -72,7 +72,8 @@ proptest! {
                 prop_assert!(trains.len() <= way.len() + 4, "{way:?} {trains:?}");
                 let strokes: u64 = trains.iter().map(|train| train.strokes).sum();
                 let extra_um = strokes as f64 * robot.step_um - length_um(&way);
-                // An edge in two parts, half a stroke of turning to either side, is longer by half of that angle squared.
+                // An edge in two parts, half a stroke of turning to either side, is longer by half of that angle
+                // squared.
                 let bent_um = length_um(&way) * (robot.step_um / robot.turning_radius_um).powi(2) / 8.0;
                 let rounded_um = robot.step_um * trains.len() as f64 + 0.1;
                 prop_assert!(extra_um.abs() < rounded_um + bent_um, "{extra_um} {bent_um} {way:?}");

@@ -1,17 +1,17 @@
 //! Collision model of the bed during planning: its bodies, and the first collision of a plan's legs.
 //!
-//! Input: the robots, obstacles and control states of an order; the poses of the robots; legs. Output: the first meeting that the
-//! collision rules forbid, or none. The rules: a moving body keeps the clearance from obstacles and other bodies; the disc of a
-//! robot that turns by a full turn or more keeps the orbit clearance from everything; a robot that docks may approach the structure
-//! in the last stretch.
+//! Input: the robots, obstacles and control states of an order; the poses of the robots; legs. Output: the first
+//! meeting that the collision rules forbid, or none. The rules: a moving body keeps the clearance from obstacles and
+//! other bodies; the disc of a robot that turns by a full turn or more keeps the orbit clearance from everything; a
+//! robot that docks may approach the structure in the last stretch.
 //!
-//! Method: conservative advancement (Mirtich, 1996): the distance at an instant, divided by the greatest relative speed, is a time
-//! during which nothing can happen. Two bodies that both run straight need no such steps: their distance is convex in time. A body
-//! that runs straight past something at rest sweeps a rectangle.
+//! Method: conservative advancement (Mirtich, 1996): the distance at an instant, divided by the greatest relative
+//! speed, is a time during which nothing can happen. Two bodies that both run straight need no such steps: their
+//! distance is convex in time. A body that runs straight past something at rest sweeps a rectangle.
 //!
-//! Promise: stricter than the rules by [`MARGIN_UM`], so that rounding decides nothing. A case that is not decided within
-//! `MAX_SAMPLES` instants of one pair in one leg counts as a meeting. Cost: pairs of robots + robots × obstacles for each leg, most
-//! of them decided by bounding volumes alone.
+//! Promise: stricter than the rules by [`MARGIN_UM`], so that rounding decides nothing. A case that is not decided
+//! within `MAX_SAMPLES` instants of one pair in one leg counts as a meeting. Cost: pairs of robots + robots × obstacles
+//! for each leg, most of them decided by bounding volumes alone.
 
 mod bed;
 mod pairs;

@@ -98,8 +98,8 @@ impl OrientedRectangle {
 
     /// Distance between two rectangles; negative where they overlap, by the least translation that separates them.
     ///
-    /// The overlap of two convex polygons is the least of their overlaps along the normals of their sides; if they do not overlap,
-    /// a corner of one is nearest to the other.
+    /// The overlap of two convex polygons is the least of their overlaps along the normals of their sides; if they do
+    /// not overlap, a corner of one is nearest to the other.
     pub fn to_rectangle_um(&self, other: &OrientedRectangle) -> f64 {
         let apart_um = self.apart_um(other).max(other.apart_um(self));
         if apart_um <= 0.0 {

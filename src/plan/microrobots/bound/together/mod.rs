@@ -5,11 +5,12 @@
 //! undercuts, whatever control states it drives and in whatever order the robots arrive.
 //!
 //! Method: let robot i arrive after t_i strokes, of which it turns in q_i and runs straight in p_i = t_i - q_i. Then
-//! 1. q_i is, up to the slack, the turn from its first heading to its last one and a number k_i of full circles, since it turns in one
-//!    sense only; and p_i is at least what its turning centre must be moved with that many circles ([`free::least_ways`]).
-//! 2. If the arm of i is down in every control state in which that of j is, then q_i ≥ q_j: while neither has arrived, i turns with every
-//!    stroke with which j does. If i has arrived first and stays (it docked, so its arm must be up), no such state is driven any more, and
-//!    j turns no more either. If j arrives first, q_i still grows.
+//! 1. q_i is, up to the slack, the turn from its first heading to its last one and a number k_i of full circles, since
+//!    it turns in one sense only; and p_i is at least what its turning centre must be moved with that many circles
+//!    ([`free::least_ways`]).
+//! 2. If the arm of i is down in every control state in which that of j is, then q_i ≥ q_j: while neither has arrived,
+//!    i turns with every stroke with which j does. If i has arrived first and stays (it docked, so its arm must be up),
+//!    no such state is driven any more, and j turns no more either. If j arrives first, q_i still grows.
 //! 3. The strokes are at least the greatest p_i + q_i.
 //!
 //! So robots are visited in order of the number of states that lower their arms. For each robot the numbers of circles

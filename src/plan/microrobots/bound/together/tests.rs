@@ -132,7 +132,7 @@ impl Coarse {
             *best = strokes.min(*best);
             return;
         }
-        // Otherwise even one stroke more does not beat the best.
+        // With one stroke more, the sequence would not beat the best.
         if strokes + 1 >= *best {
             return;
         }

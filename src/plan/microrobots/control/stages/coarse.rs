@@ -40,7 +40,7 @@ pub struct DriveStage<'a> {
     driver: Driver<'a>,
     /// Indices of the control states in which it turns and runs straight.
     states: [usize; 2],
-    /// The way to each stop.
+    /// Path to each stop.
     pursuits: Vec<Pursuit>,
     at: usize,
     rounds: usize,

@@ -190,7 +190,8 @@ impl<'a> SingleStage<'a> {
         }
     }
 
-    /// The cycles before the contact; the last one turns first and then runs straight, so that the arm is up when the robot sticks.
+    /// The cycles before the contact; the last one turns first and then runs straight, so that the arm is up when the
+    /// robot sticks.
     fn last_cycles(&self, belief: &Belief, drive: &mut Drive, way_um: f64) {
         let last_um = way_um.min(self.driver.cycle_um);
         if way_um - last_um > self.driver.cycle_um / 2.0 {

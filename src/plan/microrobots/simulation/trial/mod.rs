@@ -281,7 +281,7 @@ impl<'a> Trial<'a> {
     /// Checks that all robots that should have docked did.
     ///
     /// # Errors
-    /// The first one that did not, after a step.
+    /// The first robot that did not; `step` is the step in progress.
     pub fn all_docked(&self, step: usize) -> Result<(), TrialFailure> {
         match self.next.and_then(|next| next.robots().find(|robot| !self.docked[*robot])) {
             Some(robot) => {
