@@ -2,9 +2,9 @@
 //!
 //! Seen from the goal, let Y be the lateral place at which a robot would dock if it ran straight. It needs the
 //! curvature κ = -Y / S(D), where S(D) = D(D + l)/2 is the lateral shift of the front of a robot of length l per unit
-//! of curvature over a distance D. An interval driven with a curvature error ε changes the needed curvature by ε (S(D)
-//! - S(D')) / S(D'); the sum over all intervals must be kept in reserve on both sides. ε has two parts: that of the
-//! measurement, E(D) / S(D), and the robot's own.
+//! of curvature over a distance D. An interval driven with a curvature error ε changes the needed curvature by
+//! ε (S(D) - S(D')) / S(D'); the sum over all intervals must be kept in reserve on both sides. ε has two parts: that of
+//! the measurement, E(D) / S(D), and the robot's own.
 
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{Cylinder, Driver, GoalFrame, steered};
