@@ -99,7 +99,7 @@ impl<'a> Gathering<'a> {
         self.departure(best.legs)
     }
 
-    /// Changes initial legs by one random change; `None` if they stay the same or meet something.
+    /// Changes initial legs by one random change; `None` if they stay the same, meet something or become empty.
     pub fn varied(&self, departure: &Departure, random: &mut SplitMix64) -> Option<Departure> {
         let mut legs = departure.legs.clone();
         self.change(&mut legs, random);

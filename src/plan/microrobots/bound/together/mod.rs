@@ -108,7 +108,7 @@ pub fn least_strokes(order: &MicrorobotsOrder, mut arrivals: Vec<RobotArrival>) 
     (least - ROUNDING_STROKES).ceil().max(0.0) as u64
 }
 
-/// Choices of a robot that turn as far as some choice of its predecessor.
+/// Choices of a robot after those of its predecessor; one that turns less far than each of these has infinite strokes.
 fn choices(needed: &StrokesNeeded, earlier: &[CircleChoice]) -> Vec<CircleChoice> {
     let mut circles: Vec<u64> =
         [0, 1].into_iter().chain(earlier.iter().map(|choice| needed.circles(choice.turning))).collect();
