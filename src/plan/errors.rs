@@ -9,7 +9,7 @@ use crate::source::Span;
 /// Most obstacles that one report labels.
 const MAX_LABELS: usize = 8;
 
-/// What is known of the effect of removing the blamed obstacles.
+/// Known effect of removing the blamed obstacles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Removal {
     OpensAndIsSmallest,
@@ -24,7 +24,7 @@ pub struct StepEnds<'a> {
     pub to: &'a str,
 }
 
-/// Content of the report of a missed limit besides the limit itself; values are of the outcome, in SI units.
+/// Finding about a missed limit. Values are of the outcome, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LimitVerdict {
     /// Proven: the least value of all plans that keep the other limits, and some plan attains it.
@@ -49,11 +49,11 @@ impl LimitVerdict {
     }
 }
 
-/// The figures of the report of a missed limit.
+/// Formatted figures for the report of a missed limit.
 pub struct LimitTexts {
     pub reached: String,
     pub limit: String,
-    /// Of the verdict.
+    /// Value of the verdict.
     pub value: String,
     /// Rounded up, so that a limit of this value is kept.
     pub enough: String,
@@ -109,7 +109,8 @@ fn undecided(to: &str, bound: &str) -> String {
     format!("the way to {to} is neither found nor disproved; none costs less than {bound}")
 }
 
-/// The search of an assay found no plan, and has budget left; `avoids` where the task keeps traces apart, and so has one assay.
+/// Report of an assay whose search ended without a plan and with budget left. `avoids`: the task keeps the traces of
+/// droplets apart, and so has a single assay.
 pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, avoids: bool) -> Diagnostic {
     let help = if avoids {
         "give droplets that must not touch each other's traces ways of their own, or send a wash over what they both cross, with `after` what soils it"
@@ -121,7 +122,8 @@ pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, avoids: bool) -> Di
         .help(format!("a larger budget hardly helps: {help}"))
 }
 
-/// A greedy planner gave up; its failure proves nothing. `first` is what Tweeze's own planner needs before it plans this, such as another field.
+/// Report of a greedy planner that gave up; its failure proves nothing. `first` begins the help: what Tweeze's own
+/// planner needs before it can plan this, such as another field.
 pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str, first: &str) -> Diagnostic {
     let steps = count(steps, "step");
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps}"))
@@ -136,21 +138,21 @@ fn all_of(names: &[&str]) -> String {
     }
 }
 
-/// A part whose own way takes longer than the time within which it must do its next operation.
+/// Report of a part whose own ways and stays take longer than the time within which it must do its next operation.
 pub fn too_far_in_time(step: Span, part: &str) -> Diagnostic {
     Diagnostic::new(Code::E0601, format!("no plan: ways and stays of `{part}` take longer than `within` allows"))
         .label(step, "even if no other part were there")
         .help("allow more time, choose places that are nearer to each other, or shorten what it does between")
 }
 
-/// A part that is to be mixed where the loop has no room.
+/// Report of a part whose mixing loop leaves the board.
 pub fn loop_off_board(step: Span, part: &str) -> Diagnostic {
     Diagnostic::new(Code::E0601, format!("no plan: the loop in which `{part}` is to be mixed leaves the board"))
         .label(step, "from where the part is by then")
         .help("name the cell from which it is mixed: `mix PART at (5, 3) for 3 s`")
 }
 
-/// A reason that holds for the first of several choices of places.
+/// Extends the reason why the first of `count` choices of places has no plan: none of the others has one either.
 pub fn of_first_arrangement(diagnostic: Diagnostic, count: usize) -> Diagnostic {
     if count == 1 {
         return diagnostic;
@@ -160,7 +162,8 @@ pub fn of_first_arrangement(diagnostic: Diagnostic, count: usize) -> Diagnostic 
     diagnostic.help(help)
 }
 
-/// Parts that keep one another from their operations, whatever the order; some of these must not be later after others than a time.
+/// Report of parts that keep one another from their operations in every order. `is_timed`: some operations must follow
+/// others within a time.
 pub fn operations_exclude_one_another(step: Span, parts: &[&str], is_timed: bool) -> Diagnostic {
     let all = all_of(parts);
     let title = match (is_timed, parts) {
@@ -176,7 +179,7 @@ pub fn operations_exclude_one_another(step: Span, parts: &[&str], is_timed: bool
     Diagnostic::new(Code::E0601, title).label(step, searched).help(if is_timed { timed } else { help })
 }
 
-/// Labels the first parts, each place once; the step where there is none.
+/// Labels the first parts, each place once; labels the step if there is no part.
 fn labelled(
     mut diagnostic: Diagnostic,
     step: Span,
@@ -191,7 +194,7 @@ fn labelled(
     if diagnostic.labels.is_empty() { diagnostic.label(step, "this step") } else { diagnostic }
 }
 
-/// Parts that block one another on the way to their goals.
+/// Report of parts that block one another on the way to their goals.
 pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)], merge: Option<Span>) -> Diagnostic {
     let others = if parts.len() == 2 { "the other" } else { "the others" };
     let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
@@ -209,7 +212,7 @@ pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)], merge: Option<
     }
 }
 
-/// Why something is impossible as long as these parts, which no operation moves, stay where they are.
+/// Adds that a reason holds only while these parts, which no operation moves, stay where they are.
 pub fn where_others_stay<'a>(diagnostic: Diagnostic, names: impl Iterator<Item = &'a str>) -> Diagnostic {
     let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
     if names.is_empty() {
@@ -221,7 +224,7 @@ pub fn where_others_stay<'a>(diagnostic: Diagnostic, names: impl Iterator<Item =
     diagnostic.help(help)
 }
 
-/// A part that electrodes on shared channels keep from its goal.
+/// Report of a part that electrodes on shared channels keep from its goal.
 pub fn torn_by_channels(ends: StepEnds, part: &str) -> Diagnostic {
     let StepEnds { step, from, to } = ends;
     Diagnostic::new(
@@ -232,7 +235,7 @@ pub fn torn_by_channels(ends: StepEnds, part: &str) -> Diagnostic {
     .help("give electrodes on the way channels of their own, or other numbers in `channels`")
 }
 
-/// Parts that could pass one another if each electrode had a channel of its own.
+/// Report of parts that could pass one another if each electrode had a channel of its own.
 pub fn excluded_by_channels(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
     let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
     let title = format!("no plan: shared channels do not let {} come to their goals", all_of(&names));
@@ -241,17 +244,18 @@ pub fn excluded_by_channels(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
     labelled(Diagnostic::new(Code::E0601, title), step, parts, says).help(UNSHARED)
 }
 
-/// Parts that could do their operations if each electrode had a channel of its own.
+/// Report of parts that could do their operations if each electrode had a channel of its own.
 pub fn operations_excluded_by_channels(step: Span, parts: &[&str]) -> Diagnostic {
     let title = format!("no plan: shared channels do not let {} do these operations", all_of(parts));
     Diagnostic::new(Code::E0601, title).label(step, "all positions of all parts together were searched").help(UNSHARED)
 }
 
-/// What helps where the same goals have a plan with a channel for each electrode.
+/// Help where the same goals have a plan with a channel for each electrode.
 const UNSHARED: &str =
     "with a channel for each electrode they would: give some electrodes channels of their own, or parts other goals";
 
-/// Parts, each with its name and cell, that the electrodes under them do not hold, but pull apart.
+/// Report of parts, each with its name and cell, that electrodes on shared channels pull away from where they should be
+/// held.
 pub fn restless_by_channels(step: Span, [one, other]: [(&str, String); 2]) -> Diagnostic {
     let held = |(name, cell): &(&str, String)| format!("`{name}` at {cell}");
     let (title, whom) = match one.0 == other.0 {
@@ -263,14 +267,14 @@ pub fn restless_by_channels(step: Span, [one, other]: [(&str, String); 2]) -> Di
         .help("leave out the wait, or begin it with the parts on electrodes of other channels")
 }
 
-/// A plan of a planner that knows nothing of shared channels.
+/// Report of a plan that breaks the rule of shared channels, from a planner that ignores it.
 pub fn heedless_of_channels(step: Span) -> Diagnostic {
     Diagnostic::new(Code::E0602, "the greedy planner has no regard to shared channels, and its plan breaks their rule")
         .label(step, "neither planned nor disproved")
         .help("leave `using` out: Tweeze's own planner moves parts as the channels allow")
 }
 
-/// A step of which what is proven depends on where an earlier one has brought parts whose goals are interchangeable.
+/// Report of a step whose proof depends on where an earlier step has brought parts with interchangeable goals.
 pub fn not_from_here(step: Span, tried: usize) -> Diagnostic {
     let others = match tried {
         0 => "others were not tried".to_owned(),
@@ -281,7 +285,7 @@ pub fn not_from_here(step: Span, tried: usize) -> Diagnostic {
         .help("send the parts that this step moves to goals of their own before, instead of with `any` or `among`")
 }
 
-/// More goals of `any` lie somewhere than its parts can come there.
+/// Report of goals of `any` that lie where fewer parts can come than there are goals.
 pub fn goals_out_of_reach(step: Span, name: &str, [goals, parts]: [usize; 2], goal: &str) -> Diagnostic {
     let (few, verb) = (if parts == 1 { "part" } else { "parts" }, if goals == 1 { "lies" } else { "lie" });
     let (all, beside) = if goals == 1 { ("goal", String::new()) } else { ("goals", format!(", {goal} among them")) };
@@ -294,7 +298,7 @@ pub fn goals_out_of_reach(step: Span, name: &str, [goals, parts]: [usize; 2], go
         .help("move a goal to the side of the parts, or move an obstacle")
 }
 
-/// Parts that cannot pass one another, whichever of their goals each takes.
+/// Report of parts that cannot pass one another, whichever of their goals each takes.
 pub fn blocked_with_any_goals(step: Span, parts: &[&str]) -> Diagnostic {
     let title = format!("no plan: {} cannot pass one another, whichever goals they take", all_of(parts));
     Diagnostic::new(Code::E0601, title)
@@ -319,8 +323,8 @@ pub fn more_allowed(budget: u64, planner: &str) -> String {
     format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8).min(most))
 }
 
-/// A limit that the plan misses. `all` is the number of limits of the task; `texts` gives the figures, with a value of the verdict
-/// rounded up.
+/// Report of a limit that the plan misses. `all` is the number of limits of the task; `texts` formats the figures for a
+/// value of the verdict.
 pub fn requirement_missed(
     requirement: &Requirement,
     verdict: LimitVerdict,
@@ -389,7 +393,7 @@ pub enum Apart {
     OtherTimes,
 }
 
-/// Two robots of one scene for which no plans were found that keep them apart.
+/// Report of two robots of one scene for which no plans were found that keep them apart.
 pub fn not_apart([device, with]: [&str; 2], run: Span, why: &str, other: Option<Span>, mend: Apart) -> Diagnostic {
     let title = format!("no plans were found that keep `{device}` and `{with}` apart");
     let diagnostic = Diagnostic::new(Code::E0610, title).label(run, why);

@@ -1,8 +1,8 @@
 //! Planners: from a job to a plan with its cost, a lower bound, and whether it is proven optimal.
 //!
-//! Input: the [`Claims`] of a schedule. Output: a [`Plan`] for each job. Promise: a job ends in a plan, in a proof that there is
-//! none (with the smallest set of blocking obstacles that could be found), or in a search that gave up and names its budget; an
-//! empty plan never means "no". Same request, same plan: budgets count steps, never seconds.
+//! Input: the [`Claims`] of a schedule. Output: a [`Plan`] for each job. Promise: a job ends in a plan, in a proof that
+//! there is none (with the smallest set of blocking obstacles that could be found), or in a search that gave up and
+//! names its budget; an empty plan never means "no". Same request, same plan: budgets count steps, never seconds.
 
 pub mod dimibot;
 pub mod electrode_array;
@@ -18,7 +18,7 @@ use crate::device::{each_kind, for_each_kind};
 use crate::diagnostic::{Remark, Sink};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How a job is done, with its motion in whatever form.
+/// A plan for one job; `M` is the form of its motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan<M> {
     pub planner: &'static str,
@@ -71,7 +71,7 @@ pub enum Motion<'a> {
 
 macro_rules! standings {
     ({} $($module:ident $kind:ident),+) => {
-        /// What the plans of a program leave behind for those that follow.
+        /// State that the plans of a program hand on to later ones, by kind of device.
         #[derive(Default)]
         struct Standings {
             $($module: $module::Standings,)+
@@ -92,18 +92,19 @@ macro_rules! planned {
     };
 }
 
-/// A plan for a job; without one an error was pushed, for this job or for one of the same device before it.
+/// Returns a plan for a job, or `None` after an error was pushed, for this job or an earlier one of the same device.
 fn planned<'a>(job: &'a Job, standings: &mut Standings, sink: &mut Sink) -> Option<Plan<Motion<'a>>> {
     for_each_kind!(planned, { job, standings, sink })
 }
 
-/// What a kind may bring to this stage besides, on its orders.
+/// Hooks of a device kind for this stage, implemented by its orders.
 trait KindPlanner {
-    /// Whether a plan chooses where something is afterwards, so that what is found of a later task only holds for this choice. A kind that
-    /// searches later tasks from every choice says no.
+    /// Whether a plan chooses where something ends, so that findings about a later task hold only for this choice.
+    /// `false` for a kind that searches later tasks from every choice.
     fn chooses_its_end(&self) -> bool;
 
-    /// The plans of a program, changed where devices of this kind would be in one another's way; asked once. `None` after an error.
+    /// Returns the plans of a program, changed where devices of this kind would be in one another's way. Called once
+    /// per kind; `None` after an error.
     fn settled<'a>(
         &self,
         _claims: &'a Claims,
@@ -119,13 +120,13 @@ fn planner(order: &Order) -> &dyn KindPlanner {
     each_kind!(Order, order, order => order)
 }
 
-/// Subject of the remark on a search that did not end by itself.
+/// Subject of the remark on a search that was ended early.
 pub const ENDED_EARLY: &str = "search";
 
 /// Called before each job is planned, with its index, the number of jobs, and its task.
 pub type Progress<'a> = &'a mut dyn FnMut(usize, usize, &str);
 
-/// A plan for every job, in their order; `None` after an error, which has been pushed for each job without a plan.
+/// Returns a plan for every job, in their order. `None` if a job has no plan; the errors have then been pushed.
 pub fn plan<'a>(claims: &'a Claims, sink: &mut Sink, progress: Progress) -> Option<Vec<Plan<Motion<'a>>>> {
     let mut standings = Standings::default();
     let mut plans = Vec::with_capacity(claims.jobs.len());
@@ -136,7 +137,8 @@ pub fn plan<'a>(claims: &'a Claims, sink: &mut Sink, progress: Progress) -> Opti
         let mut own = Sink::default();
         let mut plan = planned(job, &mut standings, &mut own);
         own.about_device(&job.device);
-        // Devices of a kind may be in one scene, so that one stands in the way of another.
+        // Devices of one kind may share a scene and stand in one another's way: a proof then holds only for the ends
+        // that earlier plans chose.
         if chosen.contains(&job.kind()) {
             own.weaken();
         }

@@ -1,8 +1,8 @@
 //! Checks the limits of a task against the outcomes of its plan.
 //!
-//! Input: a job, its plan, and what the planner of its kind knows of each limit that the plan misses. Output: whether all limits
-//! are kept; each missed one is reported. Promise: "no plan" is only reported where the kind has a proof, and a help names only a
-//! plan or a limit that works.
+//! Input: a job, its plan, and what the planner of its kind knows of each limit that the plan misses. Output: whether
+//! all limits are kept; each missed one is reported. Promise: "no plan" is only reported where the kind has a proof,
+//! and a help names only a plan or a limit that works.
 
 use super::Plan;
 use super::errors::{self, LimitTexts, LimitVerdict};
@@ -20,16 +20,17 @@ pub enum Kept {
     No,
 }
 
-/// A kind's knowledge of an upper limit, or an upper side of `==`, that its plan misses. The default knows nothing: the report then says
-/// that no plan was found.
+/// A kind's knowledge of an upper limit, or an upper side of `==`, that its plan misses. The default knows nothing: the
+/// report then says that no plan was found.
 #[derive(Debug, Default)]
 pub struct KnownLimit {
     /// Proven: no plan keeps all limits of the job at once.
     pub none_keeps_all: bool,
-    /// Proven lower bound, in SI units, on this outcome for plans that keep the other limits. A bound that ignores the other limits
-    /// is valid too.
+    /// Proven lower bound, in SI units, on this outcome for plans that keep the other limits. A bound that ignores the
+    /// other limits is valid too.
     pub least: Option<f64>,
-    /// Another plan of the same job, such as one for another objective. It is named only where it keeps all the other limits.
+    /// Another plan of the same job, such as one for another objective. It is named only where it keeps all the other
+    /// limits.
     pub other: Option<Plan<()>>,
     /// Advice on finding a plan where none was found and nothing is proven.
     pub advice: Option<String>,
@@ -81,7 +82,7 @@ pub fn require<M>(
         let texts = |value: Option<f64>| {
             let reached = show(reached, dimension);
             let value = value.map(|value| match requirement.relation {
-                // A rounded figure would be another one.
+                // A rounded figure would be a different limit.
                 Relation::Equal => {
                     (in_full(value, dimension), in_full(value, dimension), no_more(value, limit, dimension))
                 }
@@ -111,16 +112,17 @@ pub fn require<M>(
         let missed = missed.help_if(advice);
         if verdict.is_proven() { proven.push(missed) } else { open.push(missed) }
     }
-    // Where one limit is proven to be too much, it is known that no plan keeps all of them.
+    // If one limit is proven out of reach, no plan keeps all of them: limits without a proof are not reported.
     let reported = if proven.is_empty() { open } else { proven };
     reported.into_iter().for_each(|missed| sink.push(missed));
     all_kept
 }
 
-/// The wait that makes a run as long as a limit from below asks, if no other limit is against it.
+/// Advises a wait that makes a run long enough for a lower limit on its time, if no other limit on the time forbids
+/// that.
 fn longer(job: &Job, index: usize, reached: f64) -> Option<String> {
     let requirement = &job.requirements[index];
-    // The wait is rounded up, so that an exact limit or one that is not in is not for it.
+    // The wait is rounded up: it may miss an exact limit, and end exactly on a strict one.
     let is_from_below = match requirement.relation {
         Relation::AtLeast => true,
         Relation::Less | Relation::AtMost | Relation::Equal | Relation::More => false,
@@ -158,7 +160,7 @@ fn verdict<M>(job: &Job, index: usize, plan: &Plan<M>, known: &KnownLimit) -> Li
     }
 }
 
-/// Whether outcomes keep all requirements of a job but one.
+/// Whether outcomes keep all requirements of a job except one.
 fn keeps_the_others(job: &Job, but: usize, outcomes: &Outcomes) -> bool {
     let mut others = job.requirements.iter().enumerate().filter(|(index, _)| *index != but);
     others.all(|(_, other)| outcomes.get(&other.outcome).is_none_or(|value| keeps(other, *value) == Kept::Yes))
@@ -170,7 +172,7 @@ fn dimension(job: &Job, requirement: &Requirement) -> Dimension {
     known.map_or(Dimension::NUMBER, |known| known.unit.dimension())
 }
 
-/// A figure of an outcome: in few digits, or with all of them where it is a count or a time and few would make it another one.
+/// Formats an outcome in few digits, or in all of them if it is a count or a time that few would change.
 pub fn show(value: f64, dimension: Dimension) -> String {
     let short = Quantity::new(value, dimension).to_string();
     let is_exact = read_back(&short).is_some_and(|read| is_same(read, value));
@@ -186,10 +188,10 @@ fn is_same(read: f64, value: f64) -> bool {
     (read - value).abs() <= value.abs() * SAME
 }
 
-/// Relative difference between a number and what is read from its digits.
+/// Relative difference up to which a number equals the one read back from its digits.
 const SAME: f64 = 4.0 * f64::EPSILON;
 
-/// All digits of a value that arithmetic leaves right, in the unit in which few are printed.
+/// Formats all digits of a value that arithmetic leaves right, in the unit of the short form.
 fn in_full(value: f64, dimension: Dimension) -> String {
     let quantity = Quantity::new(value, dimension);
     let digits = |number: f64| format!("{number:.14e}").parse().unwrap_or(number).to_string();
@@ -199,31 +201,31 @@ fn in_full(value: f64, dimension: Dimension) -> String {
     }
 }
 
-/// A limit; with all its digits where rounding would make it look like one of the figures beside it.
+/// Formats a limit; with all its digits if rounding would make it look like one of the figures beside it.
 fn limit_text<'t>(limit: f64, beside: impl IntoIterator<Item = &'t String>, dimension: Dimension) -> String {
     let text = show(limit, dimension);
     let is_exact = read_back(&text).is_some_and(|read| is_same(read, limit));
     if !is_exact && beside.into_iter().any(|figure| *figure == text) { in_full(limit, dimension) } else { text }
 }
 
-/// A count or a time as it is; another figure rounded up.
+/// Formats a count or a time as it is, another figure rounded up.
 fn exact(value: f64, dimension: Dimension) -> String {
     if is_counted(dimension) { show(value, dimension) } else { enough(value, dimension) }
 }
 
-/// A value in few digits, rounded up so that a limit with the printed value is kept by it.
+/// Formats a value in few digits, rounded up so that it keeps a limit with the printed value.
 pub fn enough(value: f64, dimension: Dimension) -> String {
     let is_enough = |read: f64| value <= read || is_same(read, value);
     rounded(value, 1.0, dimension, is_enough).unwrap_or_else(|| in_full(value, dimension))
 }
 
-/// A lower bound in few digits, rounded down; with all of them where few would not exclude a limit from above.
+/// Formats a lower bound in few digits, rounded down; with all of them if few would no longer exceed an upper limit.
 fn no_more(value: f64, limit: f64, dimension: Dimension) -> String {
     let is_bound = |read: f64| (read <= value || is_same(read, value)) && (read > limit || value <= limit);
     rounded(value, -1.0, dimension, is_bound).unwrap_or_else(|| in_full(value, dimension))
 }
 
-/// The first of several texts of few digits, each a little farther to one side, that fits when it is read.
+/// First of several short texts, each rounded a little farther to one side, whose value fits when it is read back.
 fn rounded(value: f64, side: f64, dimension: Dimension, fits: impl Fn(f64) -> bool) -> Option<String> {
     let texts = [0.0, 1e-6, 2e-6, 5e-6, 1e-5]
         .map(|part| Quantity::new(value + side * value.abs() * part, dimension).to_string());

@@ -1,12 +1,12 @@
-//! Shared by all planners: the results of a search, and its budget. Budgets count steps, never time, so that a plan does not depend on
-//! the machine.
+//! Result and budget of a search, shared by all planners. Budgets count steps, never time, so that a plan does not
+//! depend on the machine.
 
 use super::watch::{self, BEAT_STEPS};
 
-/// Result of a search. No empty plan means "no", and a search that ended early proves nothing.
+/// Result of a search. An empty plan never means "no", and a search that ended early proves nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SearchAnswer<P, I, G = GaveUp> {
-    /// A plan, with the bound below which there is none.
+    /// A plan, with a lower bound on the cost of any plan.
     Found(P),
     /// Proven: there is no plan, and why.
     Impossible(I),
@@ -48,14 +48,14 @@ pub struct GaveUp {
     pub bound: u64,
 }
 
-/// Counts steps against a budget, and tells who watches the search.
+/// Counts steps against a budget and reports them to the watch on the search.
 #[derive(Debug)]
 pub struct Meter {
     budget: SearchBudget,
     spent: u64,
-    /// Up to here a step asks neither the budget nor the watch.
+    /// Number of steps up to which neither the budget nor the watch is checked.
     free: u64,
-    /// Steps that the watch knows of, or that were taken on meters of their own.
+    /// Steps that the watch knows of, including those charged from other meters.
     reported: u64,
 }
 
@@ -65,7 +65,7 @@ impl Meter {
         Meter { budget, spent: 0, free: 0, reported: 0 }
     }
 
-    /// Takes one step, or reports that none is left.
+    /// Takes one step; `None` if none is left.
     #[inline]
     pub fn step(&mut self) -> Option<()> {
         if self.spent >= self.free {
@@ -75,7 +75,7 @@ impl Meter {
         Some(())
     }
 
-    /// More steps that ask for nothing, or none.
+    /// Frees further steps from checks; `None` if the search must end.
     #[cold]
     fn go_on(&mut self) -> Option<()> {
         if !self.is_wanted() || self.spent >= self.budget.steps {
@@ -85,7 +85,7 @@ impl Meter {
         Some(())
     }
 
-    /// Tells the watch of the steps that it does not know of. If it has seen enough, no step is left.
+    /// Reports new steps to the watch. If the watch ends the search, returns `false` and leaves no step.
     fn is_wanted(&mut self) -> bool {
         watch::tell(self.spent - self.reported);
         self.reported = self.spent;
@@ -97,7 +97,7 @@ impl Meter {
         goes_on
     }
 
-    /// Takes `steps` steps at once; the last of them may overdraw the budget.
+    /// Charges `steps` steps at once; the last of them may overdraw the budget.
     #[inline]
     pub fn charge(&mut self, steps: u64) {
         self.spent = self.spent.saturating_add(steps);
@@ -106,7 +106,7 @@ impl Meter {
         }
     }
 
-    /// Takes the steps of a search that had a meter of its own.
+    /// Charges the steps of a search that had a meter of its own.
     pub fn charge_metered(&mut self, steps: u64) {
         self.spent = self.spent.saturating_add(steps);
         self.reported = self.reported.saturating_add(steps);
@@ -131,7 +131,7 @@ impl Meter {
         SearchBudget::of(self.budget.steps.saturating_sub(self.spent))
     }
 
-    /// The report for a budget that ran out, when no plan can cost less than `bound`.
+    /// Report of a budget that ran out; no plan can cost less than `bound`.
     pub const fn gave_up(&self, bound: u64) -> GaveUp {
         GaveUp { budget: self.budget, spent: self.spent, bound }
     }

@@ -1,9 +1,10 @@
-//! Who follows a search while it runs: how many steps it took, what its best plan costs so far, and that this plan is good enough.
+//! Observation of a running search: its steps, the cost of its best plan so far, and the request to accept that plan.
 //!
-//! A [`SearchWatch`] is shared between the thread that plans and one that looks on. Searches feed it through their [`Meter`]s, once in
-//! [`BEAT_STEPS`] steps, and with a [`HeldPlan`] for as long as they would answer with a plan if they ended now. Once the plan at hand is
-//! enough, every meter says that no step is left, but only while a plan is held: a search ends as if its budget were spent, and says no
-//! more of its plan than in that case. Without a watch, as in tests, nothing is fed and nothing ends early.
+//! A [`SearchWatch`] is shared between the planning thread and an observer. Searches report to it through their
+//! [`Meter`]s, once per [`BEAT_STEPS`] steps, and hold a [`HeldPlan`] for as long as they would return a plan if they
+//! ended now. Once the observer accepts the best known plan, every meter reports that no step is left, but only while a
+//! plan is held. A search then ends as if its budget were spent, and claims no more about its plan than in that case.
+//! Without a watch, as in tests, nothing is reported and nothing ends early.
 //!
 //! [`Meter`]: super::search::Meter
 
@@ -11,37 +12,37 @@ use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Steps of a meter between two looks at its watch: less than a millisecond of most searches.
+/// Steps of a meter between two checks of its watch: less than a millisecond in most searches.
 pub const BEAT_STEPS: u64 = 4096;
 
 thread_local! {
     static WATCHED_BY: RefCell<Option<Arc<SearchWatch>>> = const { RefCell::new(None) };
 }
 
-/// News of the searches of one thread, and the wish that they end.
+/// Progress of the searches of one thread, and the request that they end.
 #[derive(Debug, Default)]
 pub struct SearchWatch {
     steps: AtomicU64,
     is_enough: AtomicBool,
-    /// Whether a search has ended because of that.
+    /// Whether a search has ended because of that request.
     has_ended: AtomicBool,
-    /// The plans that searches hold, one within the other: what each costs, in words.
+    /// Costs, in words, of the plans that searches hold; those of inner searches come last.
     held: Mutex<Vec<String>>,
 }
 
-/// What a search has come to.
+/// Progress of a search.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SearchNews {
-    /// Steps since the run of a task was begun.
+    /// Steps since the planning of the current job began.
     pub steps: u64,
-    /// What the best plan costs, and what is known of the least cost.
+    /// Cost of the best plan and the known lower bound, in words.
     pub best: Option<String>,
 }
 
 impl SearchWatch {
     /// Watches the searches that `plan` runs on this thread.
     pub fn over<T>(self: &Arc<Self>, plan: impl FnOnce() -> T) -> T {
-        /// Puts the former watch back, also after a panic.
+        /// Restores the former watch, also after a panic.
         struct Former(Option<Arc<SearchWatch>>);
         impl Drop for Former {
             fn drop(&mut self) {
@@ -53,18 +54,18 @@ impl SearchWatch {
         plan()
     }
 
-    /// What the search that runs has come to.
+    /// Progress of the running search.
     pub fn news(&self) -> SearchNews {
         SearchNews { steps: self.steps.load(Ordering::Relaxed), best: self.held().last().cloned() }
     }
 
-    /// From now on the first plan of each search is enough.
+    /// From now on, the first plan of each search is accepted.
     pub fn take_what_is_held(&self) {
         self.is_enough.store(true, Ordering::Relaxed);
     }
 
     fn held(&self) -> MutexGuard<'_, Vec<String>> {
-        // A thread that panicked has left a list as it was.
+        // A thread that panicked leaves the list intact.
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -73,7 +74,7 @@ fn watched<T>(tell: impl FnOnce(&SearchWatch) -> T) -> Option<T> {
     WATCHED_BY.with_borrow(|watch| watch.as_deref().map(tell))
 }
 
-/// The searches for the next run of a task begin.
+/// Resets the progress for the next job.
 pub(super) fn begin_run() {
     watched(|watch| {
         watch.steps.store(0, Ordering::Relaxed);
@@ -82,17 +83,17 @@ pub(super) fn begin_run() {
     });
 }
 
-/// Whether a search has ended since then because its plan was enough.
+/// Whether a search of the current job has ended early because its plan was accepted.
 pub(super) fn has_ended_early() -> bool {
     watched(|watch| watch.has_ended.load(Ordering::Relaxed)).unwrap_or(false)
 }
 
-/// Tells of so many steps.
+/// Reports further steps.
 pub(super) fn tell(steps: u64) {
     watched(|watch| watch.steps.fetch_add(steps, Ordering::Relaxed));
 }
 
-/// Whether the search is to go on.
+/// Whether the search may go on.
 pub(super) fn goes_on() -> bool {
     let is_over = watched(|watch| {
         let is_over = watch.is_enough.load(Ordering::Relaxed) && !watch.held().is_empty();
@@ -104,15 +105,15 @@ pub(super) fn goes_on() -> bool {
     !is_over.unwrap_or(false)
 }
 
-/// A plan that a search answers with wherever it ends, for as long as this lives.
+/// A plan that a search returns wherever it ends, for as long as this lives.
 #[derive(Debug)]
 pub struct HeldPlan {
-    /// How many searches around this one hold a plan.
+    /// Number of enclosing searches that hold a plan.
     depth: usize,
 }
 
 impl HeldPlan {
-    /// Begins to hold a plan; `cost` says what it costs, and what is known of the least cost.
+    /// Begins to hold a plan; `cost` gives its cost and the known lower bound, in words.
     pub fn begin(cost: impl FnOnce() -> String) -> HeldPlan {
         let depth = watched(|watch| {
             let mut held = watch.held();
@@ -122,7 +123,7 @@ impl HeldPlan {
         HeldPlan { depth: depth.unwrap_or(0) }
     }
 
-    /// Holds a better plan, or knows more of the least cost.
+    /// Updates the held plan: a better one, or a better lower bound.
     pub fn improve(&self, cost: impl FnOnce() -> String) {
         watched(|watch| {
             if let Some(held) = watch.held().get_mut(self.depth) {
@@ -156,7 +157,7 @@ mod tests {
             assert_eq!(steps_of(&mut meter), BEAT_STEPS - 1);
             assert!(has_ended_early());
             assert_eq!((meter.left().steps, meter.spent()), (0, BEAT_STEPS));
-            // Nor does a search within another one, which then ends too.
+            // A nested search gets no step either, and the outer one ends with it.
             let mut outer = Meter::new(budget);
             assert_eq!(outer.share(BEAT_STEPS, steps_of), 0);
             assert_eq!(outer.left().steps, 0);

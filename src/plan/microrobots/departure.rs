@@ -1,11 +1,11 @@
-//! First legs of a step, drawn at random: the whole bed moves before the step proper, which then finds more room or a faster way. Those of
-//! assemblies are searched for ([`super::gathering`]), and only drawn where that finds none.
+//! Initial legs of a step, drawn at random: the whole bed moves before the step proper, which then finds more room or a
+//! faster way. Assemblies search for their initial legs ([`super::gathering`]) and draw them only if that finds none.
 //!
-//! The problem: every robot moves with every stroke, so what stands in the way of a step, or whose orbit lies over a goal, depends on where
-//! the step begins. Method: random sequences of a few legs in control states that keep docked arms up, from a fixed seed; the caller plans
-//! its step from where they end and keeps the best. Guaranteed: the legs are free of collisions, neighbours have different states, and the
-//! same request gives the same sequences. Not guaranteed: that one helps. Cost: for each sequence a check of its legs against the
-//! collision rules.
+//! Problem: every robot moves with every stroke, so what stands in the way of a step, and which orbit lies over a goal,
+//! depend on where the step begins. Method: random sequences of a few legs in control states that keep docked arms up,
+//! from a fixed seed; the caller plans its step from where each ends and keeps the best. Guaranteed: the legs are free
+//! of collisions, consecutive legs have different states, and the same request gives the same sequences. Not
+//! guaranteed: that one of them helps. Cost: one check of its legs against the collision rules per sequence.
 
 use super::world::{BedPoses, World};
 use super::{Leg, RobotDocking};
@@ -16,16 +16,17 @@ use crate::random::SplitMix64;
 /// Most legs of a departure.
 const MAX_LEGS: usize = 3;
 
-/// Sequences drawn for each one that is free of collisions, before no more are tried.
+/// Most sequences drawn in search of one that is free of collisions; then the iterator ends.
 const MAX_DRAWS: usize = 16;
 
 /// Shortest path of a leg, as a share of the longest.
 const SHORTEST_SHARE: f64 = 0.02;
 
-/// Least path of the longest leg, in micrometres: a few bodies, so that robots that stand close have a choice.
+/// Lower limit on the path of the longest leg, in micrometres: a few bodies, so that robots that stand close have a
+/// choice.
 const LEAST_SPAN_UM: f64 = 800.0;
 
-/// First legs, and the bed after them.
+/// Initial legs, and the bed after them.
 #[derive(Debug, Clone)]
 pub struct Departure {
     pub legs: Vec<Leg>,
@@ -44,7 +45,7 @@ pub struct Departures<'a> {
 }
 
 impl<'a> Departures<'a> {
-    /// Departures for robots that have these goals; another seed gives others.
+    /// Departures for robots with these goals; another seed gives other sequences.
     pub fn new(
         order: &MicrorobotsOrder,
         world: &'a World,
@@ -70,7 +71,7 @@ impl<'a> Departures<'a> {
         }
     }
 
-    /// Legs at random: few of them are more likely, and so are short ones.
+    /// Draws random legs. Short ones are more likely, and so are few, since a repeated state is dropped.
     fn draw(&mut self) -> Vec<Leg> {
         let mut legs: Vec<Leg> = Vec::with_capacity(MAX_LEGS);
         for _ in 0..=self.random.below(MAX_LEGS) {

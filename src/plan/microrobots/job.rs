@@ -1,4 +1,4 @@
-//! One job of microrobots: the motion that is best by the objective, its figures, and what is guaranteed of it.
+//! Plans one job of microrobots: the best motion by the objective, its figures, and its guarantees.
 
 use super::bound::{self, LeastFigures};
 use super::guarantee::{Assured, borne, guarantees, message};
@@ -15,7 +15,7 @@ use crate::plan::requirements::{Kept, KnownLimit, require};
 use crate::plan::{KindPlanner, Optimality, Plan};
 use std::collections::BTreeMap;
 
-/// Subject of the remark on the errors that a whole plan bears.
+/// Subject of the remark on the errors that a whole plan tolerates.
 const ALL_ROBOTS: &str = "all robots";
 
 /// State that the plans of a schedule hand on to later jobs.
@@ -37,7 +37,7 @@ impl BedStandings {
 }
 
 impl KindPlanner for MicrorobotsOrder {
-    /// Where a driven robot is within its precision, and where the others have come meanwhile.
+    /// A driven robot ends somewhere within its precision, and the strokes carry the others along.
     fn chooses_its_end(&self) -> bool {
         self.steps.iter().any(|step| match step.action {
             MicrorobotsAction::Drive { .. } | MicrorobotsAction::Assemble(_) => true,
@@ -46,7 +46,7 @@ impl KindPlanner for MicrorobotsOrder {
     }
 }
 
-/// A plan for a job; without one an error was pushed, for this job or an earlier one of the same bed.
+/// Returns a plan for a job, or `None` after an error was pushed, for this job or an earlier one of the same bed.
 pub fn plan(
     job: &Job,
     order: &MicrorobotsOrder,
@@ -60,7 +60,8 @@ pub fn plan(
     plan
 }
 
-/// A plan, and the state of the robots after it. They start in the scene's poses if it is the device's first job.
+/// Returns a plan and the state of the robots after it; the plan is `None` if it misses a limit or a demanded
+/// guarantee. `is_first`: this is the device's first job, so the robots start in the scene's poses.
 fn planned(
     job: &Job,
     order: &MicrorobotsOrder,
@@ -98,11 +99,12 @@ fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
 }
 
-/// Remarks for each stage of an assembly whether it is guaranteed, and up to which errors; `false` if the task demands a guarantee that
-/// does not exist.
+/// Adds a remark for each docking stage of an assembly: whether it is guaranteed, and up to which errors. Returns
+/// `false` if the task demands a guarantee that does not exist.
 ///
-/// With errors that the plan bears without any correction the controller carries it out as written, and the verifier has checked the
-/// result. With larger errors nothing is guaranteed; the first containment that the estimates reject is named.
+/// With errors that the plan tolerates without any correction, the controller carries it out as written, and the
+/// verifier has checked the result. With larger errors nothing is guaranteed; the remark names the first containment
+/// that the estimates reject.
 fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Vec<Remark>, sink: &mut Sink) -> bool {
     let all = episodes(order, motion);
     let mut docking = all.iter().filter(|episode| !driven(episode.stage).is_empty()).peekable();
@@ -154,14 +156,14 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
     all_hold
 }
 
-/// Sums over the steps of a job.
+/// Totals over the steps of a job.
 struct BedTally {
     time_ns: u64,
     /// Lower bounds for any plan of the job.
     least: LeastFigures,
     switches: u64,
     strokes: u64,
-    /// Share of simulated trials that fail, where they can be simulated.
+    /// Share of simulated trials that fail; `None` if they cannot be simulated.
     failing: Option<f64>,
     remarks: Vec<Remark>,
 }
@@ -188,7 +190,7 @@ impl BedTally {
         let ([cost, bound], is_exact) = match objective {
             MicrorobotsObjective::Time => (time_s, true),
             MicrorobotsObjective::Switches => ([self.switches, self.least.switches].map(|count| count as f64), true),
-            // An estimate, which proves nothing; the worst where the plan is too long to be simulated.
+            // An estimate, which proves nothing; the worst value, 1, if the plan is too long to be simulated.
             MicrorobotsObjective::Failures => ([self.failing.unwrap_or(1.0), 0.0], false),
         };
         Plan {

@@ -1,5 +1,5 @@
-//! Planner of STRING microrobots: one voltage drives all robots, so a plan is one sequence of control states, each with a train of
-//! strokes, and every robot moves with every stroke.
+//! Planner of STRING microrobots. One voltage drives all robots, so a plan is one sequence of control states, each with
+//! a train of strokes, and every robot moves with every stroke.
 
 pub mod assembly;
 pub mod bound;
@@ -41,11 +41,11 @@ pub struct MicrorobotsMotion {
 #[derive(Debug, Clone, PartialEq)]
 pub enum MicrorobotsStepMotion {
     Legs {
-        /// Each begins with the control cycle of its state; neighbours have different states.
+        /// Each begins with the control cycle of its state; consecutive legs have different states.
         legs: Vec<Leg>,
         /// The robots that dock in this step, in order of time.
         docks: Vec<RobotDocking>,
-        /// The stages that brought robots together, for `simulate`: in order of time; empty except for `assemble`.
+        /// The stages that brought robots together, in order of time, for `simulate`; empty except for `assemble`.
         stages: Vec<AssemblyStage>,
     },
     /// Duration in nanoseconds.
@@ -56,7 +56,7 @@ pub enum MicrorobotsStepMotion {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crew {
     pub poses: Vec<Pose>,
-    /// Whether it is docked, and so no longer moves.
+    /// Whether each robot is docked and so no longer moves.
     pub docked: Vec<bool>,
 }
 
@@ -132,8 +132,8 @@ pub fn legs_ns(order: &MicrorobotsOrder, legs: &[Leg]) -> u64 {
     legs.iter().map(|leg| leg_ns(order, *leg)).fold(0, u64::saturating_add)
 }
 
-/// Cost of the legs of a step: by the objective, then by the other figure. Where failures are minimized, plans are searched by their
-/// duration.
+/// Cost of the legs of a step: the objective's figure, then the other one to break ties. For the failures objective,
+/// plans are searched by duration.
 pub fn legs_cost(order: &MicrorobotsOrder, legs: &[Leg]) -> [u64; 2] {
     let (time_ns, switches) = (legs_ns(order, legs), legs.len() as u64);
     match order.objective {
@@ -160,20 +160,21 @@ pub struct RobotDocking {
 /// A stage of an assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AssemblyStage {
-    /// Before all others: the whole bed moves by the first legs of the step, of this number, so that the robots stand better.
+    /// Before all others: the first `legs` legs of the step move the whole bed, so that the robots stand better.
     Departure { legs: usize },
-    /// Precedes an [`AssemblyStage::Pair`] and concerns its second robot, `robot`: it is driven to the place where it orbits while
-    /// the first one is driven; the first one, `beside`, meanwhile runs straight (it may turn while `robot` does).
+    /// Precedes an [`AssemblyStage::Pair`] and concerns its second robot, `robot`: it is driven to the place where it
+    /// will orbit while the first one is driven. The first one, `beside`, meanwhile runs straight; it may turn while
+    /// `robot` turns.
     Escort {
         robot: usize,
         beside: usize,
-        /// As those of the pair: both turn, only `robot` turns, neither turns.
+        /// As in the pair: both turn, only `robot` turns, neither turns.
         states: [usize; 3],
         /// Pose at which `robot` begins to orbit.
         to: Pose,
     },
-    /// The first two robots, in the paper's two stages: `first` is driven while `second` orbits; then `second` is driven while
-    /// `first` runs straight; then both reach their goals in a fine motion of three primitives.
+    /// The first two robots, in the paper's two stages: `first` is driven while `second` orbits; then `second` is
+    /// driven while `first` runs straight; then both reach their goals in a fine motion of three primitives.
     Pair {
         first: usize,
         second: usize,
@@ -184,8 +185,8 @@ pub enum AssemblyStage {
         /// Poses at the start of the fine motion, `first` before `second`.
         approach: [Pose; 2],
         goals: [Pose; 2],
-        /// Legs from the start of the stage that drive them as the closed loop does, which takes its ways from them; none if those
-        /// of the stage do.
+        /// Legs from the start of the stage that drive the robots as the closed loop does, which takes its paths from
+        /// them; empty if the stage's own legs do.
         steered: Vec<Leg>,
     },
     /// One robot docks with the structure, while those that are not docked orbit.

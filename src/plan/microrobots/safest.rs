@@ -1,11 +1,12 @@
-//! The plan whose simulated trials fail least, and how often those of any plan do.
+//! Choice of the plan whose simulated trials fail least, and the share of a plan's trials that fail.
 //!
-//! The problem: plans that take about the same time differ by everything in how often robots with errors carry them out, for on its way
-//! back from an error a robot drives circles, which meet what stands near. Method: the job is planned again with more room (`ROOMS`) and
-//! other first legs; all plans are simulated with a few trials, the rooms of the best ones get more first legs, and the better plans more
-//! and more trials. Guaranteed: the plan keeps the clearances of the task, and of two runs on one request both give the same plan. Not
-//! guaranteed: that no plan fails less. The share that is reported is counted in trials of its own, so that it is not flattered by the
-//! choice. Cost: some twenty-five plans, and two thousand trials in all.
+//! Problem: plans that take about the same time differ widely in how often robots with errors carry them out, because a
+//! robot that recovers from an error drives circles, which hit what stands near. Method: the job is planned again with
+//! more room (`ROOMS`) and other initial legs. All plans are simulated with a few trials, the rooms of the best ones
+//! get more initial legs, and the better plans get more and more trials. Guaranteed: the plan keeps the clearances of
+//! the task, and the same request gives the same plan. Not guaranteed: that no plan fails less. The reported share is
+//! counted in separate trials, so that the choice does not flatter it. Cost: about twenty-five plans, and two thousand
+//! trials in all.
 
 use super::simulation::{self, SimulationReport};
 use super::steps::{BedRoute, FirstLegs, carried_out};
@@ -20,9 +21,9 @@ use crate::quantity::digits;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-/// How much room the tried plans keep. Added to the clearance of bodies, and to that of orbits: shares of the largest turning radius,
-/// since circles are what needs room. And the length of the fine motion, as a multiple of the device's: a robot that turns to its
-/// approach farther from the structure has room for a circle there.
+/// Room that the tried plans keep. The first two numbers are added to the clearance of bodies and to that of orbits, as
+/// shares of the largest turning radius, since circles need the room. The third is the length of the fine motion, as a
+/// multiple of the device's: a robot that turns to its approach farther from the structure has room for a circle there.
 const ROOMS: [[f64; 3]; 8] = [
     [0.0, 0.0, 1.0],
     [0.3, 0.25, 1.0],
@@ -34,7 +35,7 @@ const ROOMS: [[f64; 3]; 8] = [
     [0.3, 1.8, 2.0],
 ];
 
-/// Seeds of first legs that are drawn for each room, how many rooms of the best plans are then kept, and seeds for these.
+/// Seeds of initial legs: `FIRST_DRAWS` for each room, then up to `DRAWS` for the `GOOD_ROOMS` rooms of the best plans.
 const FIRST_DRAWS: u64 = 2;
 const GOOD_ROOMS: usize = 2;
 const DRAWS: u64 = 6;
@@ -42,39 +43,40 @@ const DRAWS: u64 = 6;
 /// Trials of each plan before the rooms are chosen.
 const FIRST_TRIALS: u64 = 16;
 
-/// Trials of each plan in a round of the choice among all, and how many plans come into it.
+/// Rounds of the choice: trials per plan, and the most plans that enter the round.
 const ROUNDS: [(u64, usize); 3] = [(20, usize::MAX), (60, 6), (200, 2)];
 
-/// Seed of the trials among which is chosen.
+/// Seed of the trials used for the choice.
 const CHOICE_SEED: u64 = 2;
 
 /// Trials that are reported, and their seed.
 const EXPECTED_TRIALS: u64 = 400;
 const EXPECTED_SEED: u64 = 1;
 
-/// Most work of the trials of a round of the choice, of those that are reported, and of those that a guarantee is held against: the intervals and the stretches of
-/// [`STRETCH_UM`] of all robots that a plan has, times the trials. Enough for all trials of ten robots that drive for some minutes.
+/// Most work of the trials of one round of the choice, of those that are reported, and of those that check a guarantee.
+/// Work is a plan's number of intervals (weighted) and of stretches of [`STRETCH_UM`] of all its robots, times the
+/// trials. Enough for all trials of ten robots that drive for some minutes.
 pub(super) const MAX_WORK: u64 = 16_000_000;
 
-/// Work of an interval, in which the controller measures and decides, against that of a stretch.
+/// Work of an interval, in which the controller measures and decides, relative to that of a stretch.
 const INTERVAL_WORK: u64 = 2;
 
-/// Intervals that a trial may last longer than its plan: about as often a pair that misses tries again.
+/// Intervals by which a trial may outlast its plan: about the number of times that a pair that misses tries again.
 const MORE_INTERVALS: u64 = 20;
 
-/// Path between two looks at what a simulated robot meets, in micrometres.
+/// Path between two collision checks of a simulated robot, in micrometres.
 const STRETCH_UM: f64 = 10.0;
 
-/// With fewer trials nothing is said of how often a plan fails.
+/// With fewer trials no failure share is reported.
 const LEAST_TRIALS: u64 = 10;
 
-/// Below this share of successes a plan is warned of.
+/// Share of successes below which a plan gets a warning.
 const DOUBTFUL_SHARE: f64 = 0.5;
 
-/// Subject of the remark that says how often trials succeed.
+/// Subject of the remark on the share of trials that succeed.
 pub const EXPECTED: &str = "expected";
 
-/// Of the plans of a job the one whose trials fail least; `fastest` is one of them.
+/// Returns the plan of a job whose trials fail least; `fastest` is one of the candidates.
 pub fn safest(order: &MicrorobotsOrder, start: &Crew, is_first: bool, fastest: BedRoute) -> BedRoute {
     let can_fail = order.facts.errors.is_some_and(|errors| !errors.are_zero());
     if !can_fail || !assembles(order) {
@@ -112,7 +114,7 @@ pub fn safest(order: &MicrorobotsOrder, start: &Crew, is_first: bool, fastest: B
     routes.swap_remove(kept.first().copied().unwrap_or_default()).1
 }
 
-/// Plans in order of how many of so many trials fail, then by their duration.
+/// Sorts plans by how many of `trials` trials fail, then by duration.
 fn ranked(order: &MicrorobotsOrder, routes: &[(usize, BedRoute)], mut kept: Vec<usize>, trials: u64) -> Vec<usize> {
     let work = MAX_WORK / kept.len().max(1) as u64;
     let failures = |route: &usize| {
@@ -123,8 +125,8 @@ fn ranked(order: &MicrorobotsOrder, routes: &[(usize, BedRoute)], mut kept: Vec<
     kept
 }
 
-/// The share of simulated trials of a plan that fail, with a remark on it, and a warning where most fail; `None` if nothing is assembled,
-/// or the device does not state its errors.
+/// Share of simulated trials of a plan that fail; adds a remark on it, and a warning if most fail. `None` if nothing is
+/// assembled, the device does not state its errors, or the plan is too long to be simulated.
 pub fn expected(
     job: &Job,
     order: &MicrorobotsOrder,
@@ -160,7 +162,7 @@ fn assembles(order: &MicrorobotsOrder) -> bool {
     order.steps.iter().any(|step| matches!(step.action, MicrorobotsAction::Assemble(_)))
 }
 
-/// The same order with larger clearances: what keeps these keeps the order's own.
+/// The same order with larger clearances; a plan that keeps these keeps the order's own.
 fn widened(order: &MicrorobotsOrder, shares: [f64; 3]) -> MicrorobotsOrder {
     let radii_um = (0..order.robots.len()).map(|robot| order.robot(robot).turning_radius_um);
     let radius_um = radii_um.fold(0.0, f64::max);
@@ -172,7 +174,8 @@ fn widened(order: &MicrorobotsOrder, shares: [f64; 3]) -> MicrorobotsOrder {
     wider
 }
 
-/// As many trials of a plan as the work allows, up to the last number of a range; `None` also where these are fewer than its first.
+/// Simulates as many trials as the work allows, up to the end of the range. `None` also if these are fewer than its
+/// start.
 pub(super) fn simulated(
     order: &MicrorobotsOrder,
     motion: &MicrorobotsMotion,
@@ -184,7 +187,7 @@ pub(super) fn simulated(
     let stroke_um: f64 = (0..order.robots.len()).map(|robot| order.robot(robot).step_um).sum();
     let (duration_ns, replan_ns) = (motion.duration_ns(order).max(1), errors.replan_ns.max(1));
     let intervals = duration_ns / replan_ns;
-    // A robot that is off its way drives on for whole intervals, however short the plan is.
+    // A robot that is off its path drives on for whole intervals, however short the plan is.
     let longest_ns = duration_ns.saturating_add(replan_ns.saturating_mul(MORE_INTERVALS));
     let strokes = motion.strokes() as f64 * (longest_ns as f64 / duration_ns as f64);
     let work = intervals.saturating_mul(INTERVAL_WORK).saturating_add((strokes * stroke_um / STRETCH_UM) as u64);

@@ -1,4 +1,4 @@
-//! Explanation of a step of microrobots without a plan: which robot, which orbit, which obstacle.
+//! Explains a step of microrobots without a plan: which robot, which orbit, which obstacle.
 
 use super::assembly::{RobotBlocker, StuckAssembly};
 use super::doom::DoomedRobot;
@@ -18,11 +18,11 @@ pub struct BedReasons<'a> {
     pub step: &'a MicrorobotsStep,
     /// Which robots of the order have docked before the step.
     pub docked: &'a [bool],
-    /// Whether every plan leads to the robots' poses before the step.
+    /// Whether the robots' poses before the step are the same in every plan.
     pub is_given: bool,
 }
 
-/// What an assembly is held against, for a label.
+/// Label text: the errors under which an assembly was checked.
 pub fn with_errors(order: &MicrorobotsOrder) -> &'static str {
     match order.facts.is_exact() {
         true => "without any errors",
@@ -61,7 +61,8 @@ impl BedReasons<'_> {
         self.shown(diagnostic, hit).help("put `wait 1 ms` before this step: at 0 V all arms go up")
     }
 
-    /// Report of a stage whose success is not certain, though the task demands that; the plan bears a multiple of the errors.
+    /// Report of a stage whose success is not certain though the task demands it; the plan tolerates `multiple` times
+    /// the errors.
     pub fn not_guaranteed(&self, names: &str, why: &str, multiple: f64) -> Diagnostic {
         let help = match self.order.facts.errors.filter(|_| multiple > 0.0) {
             Some(errors) => format!(
@@ -361,7 +362,7 @@ impl BedReasons<'_> {
             .reached(other.map(|other| at(other, &hit.with)))
     }
 
-    /// Labels the thing that is met, where the program declares it.
+    /// Labels the thing that is met, at its declaration in the program.
     fn labelled(&self, diagnostic: Diagnostic, meeting: ForbiddenMeeting) -> Diagnostic {
         let robot = |index: usize| (self.order.robots[index].span, "it starts here");
         let obstacle = |index: usize| (self.order.obstacles[index].span, "in the way");

@@ -1,4 +1,5 @@
-//! State of the bed during an assembly: poses of the robots, legs driven so far, and the control states that steer given robots.
+//! State of the bed during an assembly: poses of the robots, legs driven so far, and the control states that steer
+//! given robots.
 
 use super::track::ArmTrack;
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -61,8 +62,8 @@ impl<'a> AssemblyState<'a> {
         (0..self.poses.len()).filter(move |robot| !self.docked[*robot] && !steered.contains(robot))
     }
 
-    /// The control state with the fewest levels that sets these robots' arms as given, while all others that are not docked orbit
-    /// and docked ones keep their arms up.
+    /// The control state with the fewest levels that sets these robots' arms as given, while all others that are not
+    /// docked orbit and docked ones keep their arms up.
     pub fn state(&self, steered: &[(usize, Arm)]) -> Option<usize> {
         let arm = |state: usize, robot: usize| self.order.states[state].arms[self.order.robots[robot].row];
         let wanted = |robot: usize| match self.docked[robot] {
@@ -111,8 +112,8 @@ pub fn legs_of_one(track: &ArmTrack, [turn, straight]: [usize; 2]) -> Vec<Leg> {
     track.pieces.iter().map(|&(arm, strokes)| Leg { state: state(arm), strokes }).collect()
 }
 
-/// Legs from the tracks of two robots, by the states in which both turn, only the second turns, and neither turns. `None` if only
-/// the first would turn at some time.
+/// Legs from the tracks of two robots, by the states in which both turn, only the second turns, and neither turns.
+/// `None` if only the first would turn at some time.
 pub fn legs_of_two(first: &ArmTrack, second: &ArmTrack, [both, one, none]: [usize; 3]) -> Option<Vec<Leg>> {
     let mut legs = Vec::new();
     let (mut firsts, mut seconds) = (first.pieces.iter().copied(), second.pieces.iter().copied());
@@ -132,7 +133,7 @@ pub fn legs_of_two(first: &ArmTrack, second: &ArmTrack, [both, one, none]: [usiz
     Some(legs)
 }
 
-/// The same legs, with neighbours of the same state merged.
+/// The same legs; consecutive ones of the same state are merged.
 pub fn joined(legs: impl IntoIterator<Item = Leg>) -> Vec<Leg> {
     let mut kept: Vec<Leg> = Vec::new();
     for leg in legs {

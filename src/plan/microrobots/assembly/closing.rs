@@ -1,10 +1,10 @@
 //! Paths of a given length: straight, turn, straight, turn, straight.
 //!
-//! Input: a robot, its start and end pose, the length of its path, and the least length of its last straight segment. Output: such
-//! paths, as many as a grid of first segments gives. Promise: every path is exact up to rounding. Method: given the first segment
-//! l0 and the sum of both turns (known up to full circles), the ends of the middle segment l1 lie on a ray whose points are known
-//! up to the last segment l2, and |w - l2 u| = P - l2 has one solution, where w is the vector between the centres of the two
-//! circles, u the last heading and P the length of l1 and l2 together.
+//! Input: a robot, its start and end pose, the length of its path, and the least length of its last straight segment.
+//! Output: such paths, as many as a grid of first segments gives. Promise: every path is exact up to rounding. Method:
+//! given the first segment l0 and the sum of both turns (known up to full circles), the ends of the middle segment l1
+//! lie on a ray whose points are known up to the last segment l2, and |w - l2 u| = P - l2 has one solution, where w is
+//! the vector between the centres of the two circles, u the last heading and P the length of l1 and l2 together.
 
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
@@ -18,7 +18,7 @@ const FIRST_STRETCHES: usize = 24;
 /// Increment of the straight segments of detours, as a share of the turning radius.
 const STRETCH_SHARE: f64 = 0.25;
 
-/// Full circles beyond those that the headings require, with none.
+/// Numbers of full circles beyond those that the headings require: 0 to `CIRCLES - 1`.
 pub const CIRCLES: usize = 4;
 
 /// Rounding tolerance of a segment of length 0, in micrometres.
@@ -49,8 +49,8 @@ pub fn turn_straight_turn(robot: &Robot, from: Pose, to: Pose) -> [ArmSegment; 3
     ]
 }
 
-/// Paths between two poses, the shortest first: straight by one of the first lengths, turn–straight–turn, straight by one of the
-/// last lengths.
+/// Paths between two poses, the shortest first: straight by one of the first lengths, turn–straight–turn, straight by
+/// one of the last lengths.
 pub fn detours(robot: &Robot, from: Pose, to: Pose, firsts_um: &[f64], lasts_um: &[f64]) -> Vec<Vec<ArmSegment>> {
     let way = |first_um: f64, last_um: f64| {
         let [leave, arrive] = [robot.moved(from, Arm::Up, first_um), robot.moved(to, Arm::Up, -last_um)];
@@ -72,13 +72,13 @@ pub fn stretches(robot: &Robot, count: usize) -> Vec<f64> {
     (0..count).map(|index| index as f64 * STRETCH_SHARE * robot.turning_radius_um).collect()
 }
 
-/// The sum of all turns of a path between two poses, with so many full circles beyond those that the headings require.
+/// Sum of all turns of a path between two poses, with `circles` full circles beyond those that the headings require.
 pub fn turned_rad(robot: &Robot, [from, to]: [Pose; 2], circles: usize) -> f64 {
     turn_rad(robot, from.heading_rad, to.heading_rad) + TAU * circles as f64
 }
 
-/// The paths without a needless edge, with full circles at their start or without, whose length is the required one up to a slack. They
-/// are limits of [`closings`] in which segments are empty and no segment may be any longer.
+/// The paths without a needless edge, with or without full circles at their start, whose length is the required one up
+/// to a slack. They are limits of [`closings`] in which segments are empty and no segment may be any longer.
 pub fn shortest_of_length(robot: &Robot, asked: &ClosingRequest, slack_um: f64) -> Vec<Vec<ArmSegment>> {
     let circle_um = TAU * robot.turning_radius_um;
     let with_circles = |way: &[ArmSegment], circles: usize| {
@@ -109,7 +109,8 @@ pub fn closings(robot: &Robot, asked: &ClosingRequest) -> Vec<Vec<ArmSegment>> {
     tried.flat_map(|(first_um, circles)| closing(robot, asked, first_um, circles)).collect()
 }
 
-/// The paths with this first segment and number of full circles: none, one, or two that differ in the place of the circles.
+/// The paths with this first segment and number of full circles: none, one, or two that differ in the place of the
+/// circles.
 fn closing(robot: &Robot, asked: &ClosingRequest, first_um: f64, circles: usize) -> Vec<Vec<ArmSegment>> {
     let ClosingRequest { from, to, length_um, least_last_um, .. } = *asked;
     let [from_centre, to_centre] = [from, to].map(|pose| robot.orbit_centre_um(pose));

@@ -27,12 +27,13 @@ impl<'a> AssemblyGround<'a> {
         AssemblyGround { world: World::new(bed.order), docks, start: bed.poses.clone(), docked: bed.docked.clone() }
     }
 
-    /// A stretch, cut where its robots dock.
+    /// Cuts a stretch where its robots dock.
     pub fn settled(&self, bed: &AssemblyState, stretch: StageAddition) -> Result<StageAddition, StuckAssembly> {
         recognition::settled(bed, self.docks, stretch)
     }
 
-    /// Everything at rest while some robots are steered: docked bodies, and the orbit discs of all others, which must have room.
+    /// Everything at rest while some robots are steered: docked bodies, and the orbit discs of all others, which must
+    /// have room.
     pub fn fixtures(&self, bed: &AssemblyState, steered: &[usize]) -> Result<Fixtures, StuckAssembly> {
         let rests = (0..bed.poses.len()).filter(|robot| bed.docked[*robot]);
         let bodies = rests.map(|robot| self.world.rectangle(robot, bed.poses[robot])).collect();
@@ -65,9 +66,9 @@ impl<'a> AssemblyGround<'a> {
         }
     }
 
-    /// The first collision of one more stretch, including one more full orbit of the waiting robots afterwards, since they will
-    /// make it. So their discs are kept clear in every stretch, and each stretch can be checked separately. The leg is counted from
-    /// the assembly's first.
+    /// First collision of one more stretch, followed by one more full orbit of the robots that still wait, since they
+    /// will make it. So their discs are kept clear in every stretch, and each stretch can be checked separately. The
+    /// leg is counted from the assembly's first.
     pub fn first_hit(&self, bed: &AssemblyState, stretch: &StageAddition) -> Option<FirstMeeting> {
         let mut legs = stretch.legs.clone();
         let leg = legs.len() - 1;

@@ -1,14 +1,15 @@
 //! Assembly: robots move to goals where they dock with one another, while waiting robots orbit.
 //!
-//! The problem: every robot moves with every stroke until it docks, and it docks only at a body that is docked or docks at the same
-//! time. Method (the paper's sections 2 and 3): two robots meet first (`pair`); then one robot after the other joins the structure
-//! (`single`); the remaining robots orbit all the while. Which robots go first, in which role and in which order, is searched depth
-//! first over what the control states allow, with branch and bound. Each stage ends with the paper's fine motion, or, where the caller
-//! prefers fast plans or such of few legs, without one ([`PlannedFineMotions`]). Guaranteed: the result satisfies the collision rules
-//! ([`super::world`]), and every robot ends within precision. Not guaranteed: the fastest assembly, or any where one exists. No
-//! [`StuckAssembly`] is a proof: only assemblies are searched in which robots that are neither docked nor steered orbit in place,
-//! whereas robots might move away first, or run along. Cost: one plan per stage where the table leaves one order, as STRING tables
-//! do, and at most [`MAX_PLANS`].
+//! Problem: every robot moves with every stroke until it docks, and it docks only at a body that is docked or docks at
+//! the same time. Method (the paper's sections 2 and 3): two robots meet first (`pair`); then one robot after the other
+//! joins the structure (`single`); the remaining robots orbit all the while. Which robots go first, in which role and
+//! in which order, is searched depth first over what the control states allow, with branch and bound. Each stage ends
+//! with the paper's fine motion or, if the caller prefers fast plans or plans with few legs, without one
+//! ([`PlannedFineMotions`]). Guaranteed: the result satisfies the collision rules ([`super::world`]), and every robot
+//! ends within precision. Not guaranteed: the fastest assembly, or any where one exists. No [`StuckAssembly`] is a
+//! proof: the search covers only assemblies in which robots that are neither docked nor steered orbit in place, whereas
+//! robots might move away first, or run along. Cost: one plan per stage if the control table leaves one order, as
+//! STRING tables do; at most [`MAX_PLANS`].
 
 mod bed;
 mod closing;
@@ -31,24 +32,24 @@ use bed::{AssemblyState, StageAddition};
 use ground::AssemblyGround;
 use orders::{AssemblyMove, Orders};
 
-/// Stages planned in total, over all orders tried.
+/// Most stages planned in total, over all orders tried.
 pub const MAX_PLANS: usize = 400;
 
-/// Stages planned after the first assembly was found, in search of a faster one.
+/// Most stages planned after the first assembly was found, in search of a faster one.
 pub const MAX_MORE_PLANS: usize = 24;
 
-/// Fine motion with which a stage is planned to end. The controller makes its own from where it measures the robots.
+/// Fine motion with which a stage is planned to end. The controller makes its own from the measured poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PlannedFineMotion {
-    /// Cycles over one part in so many of the device's length.
+    /// Cycles over 1/N of the device's length.
     OneIn(u64),
     /// None: the paths of two robots lead to their goals, that of a single one to a straight run over half of the
     /// device's length.
     LeftOut,
 }
 
-/// Part of the device's length of fine motion over which a single robot runs straight where that is left out: its path ends before the
-/// structure.
+/// A single robot without a fine motion runs straight over 1/`STRAIGHT_PART` of the device's length of fine motion, so
+/// that its path ends before the structure.
 const STRAIGHT_PART: u64 = 2;
 
 /// Fine motions of the stages of an assembly, preferred first.
@@ -58,50 +59,51 @@ pub struct PlannedFineMotions {
     pub single: &'static [PlannedFineMotion],
 }
 
-/// A whole one, and shorter ones where that has no room.
+/// The whole fine motion, and shorter ones if that has no room.
 const WITH: [PlannedFineMotion; 3] =
     [PlannedFineMotion::OneIn(1), PlannedFineMotion::OneIn(2), PlannedFineMotion::OneIn(4)];
 
-/// None where that has room: most legs and some of the path are those of the fine motion.
+/// No fine motion if that has room, since most legs and some of the path are those of the fine motion; otherwise as
+/// `WITH`.
 const WITHOUT: [PlannedFineMotion; 4] =
     [PlannedFineMotion::LeftOut, PlannedFineMotion::OneIn(1), PlannedFineMotion::OneIn(2), PlannedFineMotion::OneIn(4)];
 
 /// Fine motions wherever robots dock.
 pub const CYCLES: PlannedFineMotions = PlannedFineMotions { pair: &WITH, single: &WITH };
 
-/// None where the first two robots meet: they may then move at once.
+/// No fine motion where the first two robots meet, so that they may move at once.
 pub const DIRECT_PAIR: PlannedFineMotions = PlannedFineMotions { pair: &WITHOUT, single: &WITH };
 
-/// None at all.
+/// No fine motions at all.
 pub const DIRECT: PlannedFineMotions = PlannedFineMotions { pair: &WITHOUT, single: &WITHOUT };
 
-/// How an assembly is searched for.
+/// Terms of the search for an assembly.
 #[derive(Debug, Clone, Copy)]
 pub struct AssemblyTerms {
     pub fine: PlannedFineMotions,
-    /// Stages planned in total.
+    /// Most stages planned in total.
     pub most_stages: usize,
 }
 
 /// A planned assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assembled {
-    /// Neighbours have different states.
+    /// Consecutive legs have different states.
     pub legs: Vec<Leg>,
     pub docks: Vec<RobotDocking>,
     pub stages: Vec<AssemblyStage>,
-    /// By the objective, then by the other figure.
+    /// The objective's figure, then the other one.
     pub cost: [u64; 2],
 }
 
 /// Why no assembly was found. Robots are indices into the order's robots.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StuckAssembly {
-    /// No control states steer these robots (one, or the first two) while `orbiting` orbits; if that is `None`: while all others
-    /// that are not docked orbit, and docked ones keep their arms up.
+    /// No control states steer these robots (one, or the first two) while `orbiting` orbits; if that is `None`: while
+    /// all others that are not docked orbit, and docked ones keep their arms up.
     Unsteerable { robots: Vec<usize>, orbiting: Option<usize> },
-    /// This robot docks while the other one orbits, for at least a full turn by then, and its goal is too near to the orbit disc of
-    /// the other; the gap is negative if it lies inside.
+    /// This robot docks while the other one orbits, for at least a full turn by then, and its goal is too near to the
+    /// orbit disc of the other; the gap is negative if it lies inside.
     GoalInOrbit { robot: usize, orbiting: usize, gap_um: f64 },
     /// At its goal the robot touches neither a docked body nor a reachable goal of another robot.
     Apart { robot: usize },
@@ -115,7 +117,8 @@ pub enum StuckAssembly {
     NoOrbit { robot: usize, blocker: RobotBlocker },
     /// Whole strokes cannot bring the robot to its goal within precision.
     Coarse { robot: usize },
-    /// The robot ends within the precision of its goal, but with a gap to its docking partner above the docking tolerance.
+    /// The robot ends within the precision of its goal, but with a gap to its docking partner above the docking
+    /// tolerance.
     Loose { robot: usize, gap_um: f64 },
     /// The budget is spent.
     GaveUp,
@@ -132,10 +135,10 @@ pub enum RobotBlocker {
     Docked(usize),
 }
 
-/// Plans an assembly. `poses` and `docked` describe its start, one entry per robot of the order, after a leg in control state `state`, if
-/// any: the first leg is in another one. `docks` are robots that are not docked. A step of the meter is a candidate checked against the
-/// collision rules, or a path search; stages are counted over all orders, and each ends
-/// with the first of the fine motions that has room.
+/// Plans an assembly. `poses` and `docked` describe its start, one entry per robot of the order, after a leg in control
+/// state `state`, if any; the first leg has a different state. `docks` are of robots that are not docked. A step of the
+/// meter is a candidate checked against the collision rules, or a path search. Stages are counted over all orders; each
+/// ends with the first of the fine motions that has room.
 pub fn assemble(
     order: &MicrorobotsOrder,
     poses: &[Pose],
@@ -167,7 +170,7 @@ pub fn assemble(
     }
 }
 
-/// Lower bound on the duration of an assembly of these robots: of all their ways at once, without obstacles.
+/// Lower bound on the duration of an assembly of these robots: all their paths at once, without obstacles.
 fn least_ns(bed: &AssemblyState, docks: &[Dock]) -> u64 {
     let facts = &bed.order.facts;
     let open = docks.iter().filter(|dock| !bed.docked[dock.robot]);
@@ -196,7 +199,7 @@ struct AssemblySearch<'a, 'm> {
 }
 
 impl<'a> AssemblySearch<'a, '_> {
-    /// Tries all orders from here on. The depth is the number of robots to dock.
+    /// Tries all orders from here on. The recursion is as deep as the number of robots to dock.
     fn descend(&mut self, bed: &AssemblyState<'a>) {
         let is_over = self.orders.open(bed).next().is_none();
         let cost = legs_cost(bed.order, &bed.legs);

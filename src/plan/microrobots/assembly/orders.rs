@@ -1,9 +1,10 @@
-//! Possible next dockings, by the control states and by the bodies at rest.
+//! Possible next dockings, given the control states and the bodies at rest.
 //!
-//! Input: the goals, and a bed. Output: the next moves that the control states, the contacts of goals and the orbit discs of
-//! waiting robots allow; whether such moves can lead to the end; and if none can, why. That is no proof that there is no assembly:
-//! it covers only those in which robots that are neither docked nor steered orbit in place. Docked robots keep their arms up, which
-//! removes control states from later moves, so orders are searched to see whether one leads to the end.
+//! Input: the goals, and a bed. Output: the next moves that the control states, the contacts of goals and the orbit
+//! discs of waiting robots allow; whether such moves can lead to the end; and, if none can, the reason. That is no
+//! proof that there is no assembly: it covers only those in which robots that are neither docked nor steered orbit in
+//! place. Docked robots keep their arms up, which removes control states from later moves, so orders are searched to
+//! see whether one leads to the end.
 
 use super::StuckAssembly;
 use super::bed::AssemblyState;
@@ -18,7 +19,7 @@ use nalgebra::Point2;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-/// Most sets of docked robots known to be dead ends; with more of them an order to the end is assumed to exist.
+/// Most sets of docked robots recorded as dead ends; beyond that, an order to the end is assumed to exist.
 const MAX_DEAD_ENDS: usize = 64;
 
 /// Next move of an assembly.
@@ -43,7 +44,7 @@ impl<'a> Orders<'a> {
         self.docks.iter().find(|dock| dock.robot == robot).expect("only robots with goals move")
     }
 
-    /// Unreached goals, those of the robots that snap last first.
+    /// Goals not yet reached, those of the robots that snap last first.
     pub fn open<'b>(&'b self, bed: &'b AssemblyState) -> impl Iterator<Item = &'a Dock> + 'b {
         let mut open: Vec<&Dock> = self.docks.iter().filter(|dock| !bed.docked[dock.robot]).collect();
         open.sort_by_key(|dock| downs(bed, dock.robot));
@@ -59,7 +60,7 @@ impl<'a> Orders<'a> {
         open.iter().filter_map(single).chain(pairs.filter_map(pair)).collect()
     }
 
-    /// Whether a robot may dock next, or why not.
+    /// The move that docks a single robot next, or why it cannot.
     fn single(&self, bed: &AssemblyState, dock: &Dock) -> Result<AssemblyMove, StuckAssembly> {
         if !touches_structure(bed, dock) {
             return Err(StuckAssembly::Apart { robot: dock.robot });
@@ -72,7 +73,7 @@ impl<'a> Orders<'a> {
         Ok(AssemblyMove::Single { robot: dock.robot, states: [turn, straight] })
     }
 
-    /// Whether two robots may dock together, or why not.
+    /// The move that docks two robots together, or why they cannot.
     fn pair(&self, bed: &AssemblyState, first: &Dock, second: &Dock) -> Result<AssemblyMove, StuckAssembly> {
         let apart = first.robot == second.robot || touches_structure(bed, first) || touches_structure(bed, second);
         if apart || !touch(bed, (first.robot, first.goal.pose), (second.robot, second.goal.pose)) {
@@ -87,14 +88,14 @@ impl<'a> Orders<'a> {
         Ok(AssemblyMove::Pair(roles))
     }
 
-    /// Whether all goals remain reachable after this move, as far as control states and bodies at rest are concerned.
+    /// Whether all goals remain reachable after this move, judged by control states and bodies at rest.
     pub fn leads_on(&self, bed: &AssemblyState, step: &AssemblyMove) -> bool {
         let mut bed = bed.clone();
         self.carry_out(&mut bed, step);
         self.reaches_end(&bed, &mut BTreeSet::new())
     }
 
-    /// Whether some order of moves docks all open robots. The depth is their number.
+    /// Whether some order of moves docks all open robots. The recursion is as deep as their number.
     fn reaches_end(&self, bed: &AssemblyState, dead_ends: &mut BTreeSet<Vec<bool>>) -> bool {
         if self.open(bed).next().is_none() || dead_ends.len() >= MAX_DEAD_ENDS {
             return true;
@@ -113,7 +114,7 @@ impl<'a> Orders<'a> {
         false
     }
 
-    /// Why no order of moves reaches all goals, if none does: the reason of the order that gets farthest.
+    /// Reason why no order of moves reaches all goals: that of the order that gets farthest. `None` if some order does.
     pub fn dead_end(&self, bed: &AssemblyState) -> Option<StuckAssembly> {
         if self.reaches_end(bed, &mut BTreeSet::new()) {
             return None;
@@ -145,7 +146,7 @@ impl<'a> Orders<'a> {
         })
     }
 
-    /// Executes moves until none is left.
+    /// Carries out moves until none is left.
     fn exhaust(&self, bed: &mut AssemblyState) {
         while let Some(step) = self.moves(bed).first() {
             self.carry_out(bed, step);
@@ -174,7 +175,7 @@ fn downs(bed: &AssemblyState, robot: usize) -> usize {
     bed.order.states.iter().filter(|state| state.arms[row] == Arm::Down).count()
 }
 
-/// The robot that prevents the others from being steered.
+/// Failure to steer robots, with the first other robot that prevents it.
 fn unsteerable(bed: &AssemblyState, robots: &[usize], patterns: &[&[Arm]]) -> StuckAssembly {
     let arm = |state: usize, robot: usize| bed.order.states[state].arms[bed.order.robots[robot].row];
     let steers =
@@ -187,7 +188,7 @@ fn unsteerable(bed: &AssemblyState, robots: &[usize], patterns: &[&[Arm]]) -> St
     StuckAssembly::Unsteerable { robots: robots.to_vec(), orbiting }
 }
 
-/// Whether goals keep clear of the discs of the robots that orbit meanwhile.
+/// Checks that goals keep clear of the discs of the robots that orbit meanwhile.
 fn goal_in_orbit(bed: &AssemblyState, docks: &[&Dock]) -> Result<(), StuckAssembly> {
     let steered: Vec<usize> = docks.iter().map(|dock| dock.robot).collect();
     for orbiting in bed.others(&steered) {
@@ -209,8 +210,8 @@ fn goal_in_orbit(bed: &AssemblyState, docks: &[&Dock]) -> Result<(), StuckAssemb
     Ok(())
 }
 
-/// Whether an orbiting robot completes a full turn while another one takes its shortest path to its goal: otherwise nothing must
-/// keep clear of its disc.
+/// Whether an orbiting robot completes a full turn while another one takes its shortest path to its goal; otherwise
+/// nothing needs to keep clear of its disc.
 fn orbits_meanwhile(bed: &AssemblyState, orbiting: usize, dock: &Dock) -> bool {
     let (facts, robot) = (bed.robot(orbiting), bed.robot(dock.robot));
     let RobotArrival { from, to, .. } = RobotArrival::of(bed.order, dock.robot, bed.poses[dock.robot], dock.goal.pose);

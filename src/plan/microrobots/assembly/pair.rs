@@ -1,16 +1,18 @@
 //! The first two robots of a structure, which reach their goals simultaneously.
 //!
-//! The problem: while the first robot is driven, the second orbits; while the second is driven, the first runs straight (the
-//! paper's section 2.1). Method: the second robot leaves its orbit for its approach along a known path, so that the time from the
-//! start to its approach is known up to full circles, and up to an optional earlier arrival on its goal's axis. For each such time,
-//! the shortest first, the first robot needs a path of exactly that length whose last segment is straight at least from the time at
-//! which the second leaves its orbit; such paths have a closed form ([`super::closing`]). This is the paper's phase condition with
-//! the phase free; the paper's choice, the second robot back where it began, is among the times. The second robot may also move
-//! near its goal first and orbit there while the first is driven: then the first one's last straight segment is short. Where no
-//! closed form avoids the bodies at rest, the first robot's path is searched and closed by the paper's racetrack detour
-//! ([`super::roundabout`]). Without a fine motion a path that cannot be lengthened counts
-//! too, if it takes both robots the same time: two that face each other run straight. Promise: the returned stretch satisfies the
-//! collision rules, and brings both robots to their goals within precision. Not promised: the shortest one; cost grows with the number of times examined.
+//! Problem: while the first robot is driven, the second orbits; while the second is driven, the first runs straight
+//! (the paper's section 2.1). Method: the second robot leaves its orbit for its approach along a known path, so the
+//! time from the start to its approach is known up to full circles, and up to an optional earlier arrival on its goal's
+//! axis. For each such time, the shortest first, the first robot needs a path of exactly that length whose last segment
+//! is straight at least from the time at which the second leaves its orbit; such paths have a closed form
+//! ([`super::closing`]). This is the paper's phase condition with the phase free; the paper's choice, the second robot
+//! back where it began, is among the times. The second robot may also move near its goal first and orbit there while
+//! the first is driven: then the first one's last straight segment is short. If no closed form avoids the bodies at
+//! rest, the first robot's path is searched and lengthened by the paper's racetrack detour ([`super::roundabout`]).
+//! Without a fine motion, a path that cannot be lengthened counts too, if it takes both robots the same time: two
+//! robots that face each other run straight. Promise: the returned stretch satisfies the collision rules, and brings
+//! both robots to their goals within precision. Not promised: the shortest one. Cost grows with the number of times
+//! examined.
 
 use super::bed::{AssemblyState, StageAddition, joined, legs_of_two};
 use super::closing::{CIRCLES, ClosingRequest, closings, detours, shortest_of_length, stretches, turned_rad};
@@ -37,11 +39,11 @@ const MAX_ORBITS: usize = 8;
 /// Paths of the first robot examined per time.
 const MAX_WAYS: usize = 12;
 
-/// Changes of the two arms this near to each other become one, in strokes.
+/// Arm changes of the two robots that are this near to each other are merged, in strokes.
 const ALIGNED_STROKES: u64 = 4;
 
-/// Paths of the second robot, from the first one that leads to the goals on, of which the one with the fewest legs is taken where
-/// control cycles are counted.
+/// Number of paths of the second robot, from the first one that leads to the goals on, among which the one with the
+/// fewest legs is taken if control cycles are minimised.
 const MAX_COMPARED: usize = 12;
 
 /// Tolerance in strokes for the change of a path when it is rounded to whole strokes.
@@ -65,7 +67,7 @@ pub fn roles(bed: &AssemblyState, first: usize, second: usize) -> Option<Roles> 
     Some(Roles { first, second, states: [state(0)?, state(1)?, state(2)?] })
 }
 
-/// The stretch that docks both robots, with the first of these fine motions that has room.
+/// Plans the stretch that docks both robots, with the first of these fine motions that has room.
 pub fn plan(
     bed: &AssemblyState,
     roles: Roles,
@@ -87,7 +89,7 @@ pub fn plan(
     Err(worst.unwrap_or(StuckAssembly::GaveUp))
 }
 
-/// The same for one length of the fine motion.
+/// The same for one fine motion.
 fn brought_together(
     pairing: &PairingContext,
     site: PairSite,
@@ -98,7 +100,7 @@ fn brought_together(
     choice.best.ok_or(searched.err().unwrap_or(StuckAssembly::GaveUp))
 }
 
-/// Searches until the choice is made.
+/// Offers stretches until the choice is made.
 fn search(
     pairing: &PairingContext,
     site: PairSite,
@@ -140,12 +142,12 @@ fn search(
     Err(stuck)
 }
 
-/// Choice among stretches, of which the shorter ones are offered first: the first one, or, where control cycles are counted, that with
-/// the fewest legs of some.
+/// Choice among stretches, the shorter ones of which are offered first: the first one or, if control cycles are
+/// minimised, the one with the fewest legs among several.
 struct StretchChoice {
     objective: MicrorobotsObjective,
     best: Option<StageAddition>,
-    /// Paths of the second robot that are still looked at, from the first one with a stretch on.
+    /// Number of paths of the second robot that are still considered, from the first one with a stretch on.
     left: usize,
 }
 
@@ -168,7 +170,7 @@ impl StretchChoice {
         all
     }
 
-    /// Takes a path's stretch over, if it has one that is better; whether no more need be offered.
+    /// Takes over a path's stretch if it is better. Returns whether the choice is made.
     fn is_made(&mut self, stretch: Option<StageAddition>) -> bool {
         let is_better =
             |stretch: &StageAddition| self.best.as_ref().is_none_or(|best| stretch.legs.len() < best.legs.len());
@@ -196,13 +198,14 @@ pub(super) struct PairingContext<'a> {
     pub facts: [&'a Robot; 2],
     from: [Pose; 2],
     goals: [Pose; 2],
-    /// Where the fine motion begins as it is planned, and as the controller makes it.
+    /// Poses at which the fine motion begins: as planned, and as the controller makes it.
     pub approach: [Pose; 2],
     gross_ends: [Pose; 2],
     fine: PlannedFineMotion,
     aims: [TrackAim; 2],
     cycles: Cycles<3>,
-    /// Position of the first robot's arm in its first stroke, if prescribed because consecutive legs must differ in their states.
+    /// Position of the first robot's arm in its first stroke, if prescribed because consecutive legs must differ in
+    /// their states.
     forced: Option<Arm>,
     /// By number of full circles of the first robot, whether it can then end with the heading of its goal.
     circles: [bool; CIRCLES],
@@ -266,8 +269,9 @@ impl<'a> PairingContext<'a> {
         pairing
     }
 
-    /// Allowed overlaps, preferred first: closed-loop execution, used where the device states its errors, keeps the stages apart as
-    /// long as possible. Without a fine motion the legs are not those of the closed loop, and only their cost counts.
+    /// Overlaps to try, preferred first. Closed-loop execution, used if the device states its errors, keeps the stages
+    /// apart as long as possible. Without a fine motion the legs are not those of the closed loop, and only their cost
+    /// counts.
     fn stages(&self) -> &'static [PairStages] {
         match (self.fine, self.bed.order.facts.errors) {
             (PlannedFineMotion::OneIn(_), Some(_)) => &[PairStages::Apart, PairStages::Mingled],
@@ -275,7 +279,7 @@ impl<'a> PairingContext<'a> {
         }
     }
 
-    /// The first candidate that the collision rules allow; the collision of the last one is recorded.
+    /// First candidate that the collision rules allow; if none, the last one's collision is recorded in `stuck`.
     fn first_free(
         &self,
         departure: &Departure,
@@ -300,7 +304,8 @@ impl<'a> PairingContext<'a> {
         Ok(None)
     }
 
-    /// Paths of the second robot that avoid the bodies at rest, those along its goal's axis first, the shortest first.
+    /// Paths of the second robot that avoid the bodies at rest: first those along its goal's axis, by length, then a
+    /// searched one.
     fn ways_of_second(&self, site: PairSite, meter: &mut Meter) -> Result<Vec<Vec<ArmSegment>>, StuckAssembly> {
         let PairSite { ground, fixtures } = site;
         let (second, from, to) = (self.facts[1], self.from[1], self.approach[1]);
@@ -317,7 +322,8 @@ impl<'a> PairingContext<'a> {
         Ok(ways)
     }
 
-    /// Paths of the second robot with full circles at its start and at its last turn: the first robot can be driven meanwhile.
+    /// A path of the second robot with full circles at its start and at its last turn, during which the first one can
+    /// be driven.
     fn with_circles(&self, way: &[ArmSegment]) -> Vec<Departure> {
         let counts = (0..=MAX_ORBITS).flat_map(|all| (0..=all).map(move |late| [all - late, late]));
         counts.map(|circles| self.departure(way, circles)).collect()
@@ -337,7 +343,7 @@ impl<'a> PairingContext<'a> {
         Departure { total_um: length_um(&way), way, halt }
     }
 
-    /// Legs that bring both robots to their approaches at the same time, the second by this path.
+    /// Legs that bring both robots to their approaches at the same time, the second one by this path.
     fn timed(
         &self,
         departure: &Departure,
@@ -421,8 +427,8 @@ impl<'a> PairingContext<'a> {
         Ok(kept.iter().filter_map(legs).collect())
     }
 
-    /// Pose of the first robot at the end of its own drive, after so many legs. Without a fine motion it lies on the line on which the
-    /// controller lets it run, as far before the end as in the legs.
+    /// Pose of the first robot at the end of its own drive, after `driven` legs. Without a fine motion it lies on the
+    /// line on which the controller lets it run, as far before the end as in the legs.
     fn intermediate(&self, legs: &[Leg], driven: usize) -> Pose {
         let first = self.facts[0];
         match self.fine {
@@ -467,7 +473,7 @@ struct StrokedPath<'a> {
 }
 
 impl StrokedPath<'_> {
-    /// The strokes in which it turns, without a few at either end.
+    /// Spans of strokes in which it turns, without a few at either end.
     fn turns(&self) -> Vec<[f64; 2]> {
         let mut end = self.before;
         let mut spans: Vec<[f64; 2]> = Vec::new();

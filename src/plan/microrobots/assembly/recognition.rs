@@ -1,9 +1,10 @@
-//! Recognition of docking, as the judge of schedules defines it: at the first end of a leg at which a robot is within the precision
-//! of its goal, and its body is within the docking tolerance of one that is docked, or of one that is at its own goal then.
+//! Recognition of docking, as the judge of schedules defines it: at the first end of a leg at which a robot is within
+//! the precision of its goal, and its body is within the docking tolerance of one that is docked, or of one that is at
+//! its own goal then.
 //!
-//! Input: a stretch whose robots end at their goals. Output: the same, cut after the leg at which they dock: with short cycles that
-//! is before the last one. Promise: the judge, whose arithmetic differs in the last digits, recognises these dockings and no
-//! others.
+//! Input: a stretch whose robots end at their goals. Output: the same, cut after the leg at which they dock; with short
+//! cycles that is before the last leg. Promise: the judge, whose arithmetic differs in the last digits, recognises
+//! these dockings and no others.
 
 use super::StuckAssembly;
 use super::bed::{AssemblyState, StageAddition};
@@ -18,10 +19,10 @@ const ROUNDING_UM: f64 = 1e-5;
 /// The same for headings.
 const ROUNDING_RAD: f64 = 1e-8;
 
-/// Upper limit of the tolerance, as a share of a limit.
+/// Upper limit of the rounding tolerance, as a share of the limit that it widens or narrows.
 const ROUNDING_SHARE: f64 = 0.01;
 
-/// A stretch, cut where its robots dock.
+/// Cuts a stretch where its robots dock.
 ///
 /// # Errors
 /// If they do not dock, or not all at the same time, or if another robot docks.
@@ -42,7 +43,7 @@ pub fn settled(
     }
 }
 
-/// The first leg after which robots dock, and these robots, with limits widened or narrowed by the rounding tolerance.
+/// First leg after which robots dock, and these robots; `sign` widens or narrows the limits by the rounding tolerance.
 fn first_docking(bed: &AssemblyState, docks: &[Dock], legs: &[Leg], sign: f64) -> Option<(usize, Vec<usize>)> {
     let limit = |value: f64, rounding: f64| value + sign * rounding.min(ROUNDING_SHARE * value);
     let Precision { place_um, heading_rad } = bed.order.precision;
@@ -71,7 +72,7 @@ fn nearest_um(bed: &AssemblyState, poses: &[Pose], robot: usize, there: &[usize]
     (0..poses.len()).filter(holds).map(gap_um).fold(f64::INFINITY, f64::min)
 }
 
-/// Why the robots of a stretch do not dock at its end.
+/// Reason why the robots of a stretch do not dock at its end.
 fn apart(bed: &AssemblyState, docks: &[Dock], stretch: &StageAddition) -> StuckAssembly {
     let go = |mut poses: Vec<Pose>, leg: &Leg| {
         bed.others(&[]).for_each(|robot| poses[robot] = leg.carried(bed.order, robot, poses[robot]));

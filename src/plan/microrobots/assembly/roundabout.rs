@@ -1,8 +1,8 @@
 //! Paths of the first robot of a pair around bodies at rest, lengthened by the racetrack detour.
 //!
-//! The closed-form paths of [`super::closing`] avoid obstacles only by luck. Here the path goes around them by search, and reaches
-//! the goal's axis as early as the second robot's last run requires; its missing length is added somewhere on the path as half a
-//! circle, a straight segment, half a circle and the same segment back.
+//! The closed-form paths of [`super::closing`] avoid obstacles only by luck. Here the path goes around them by search,
+//! and reaches the goal's axis as early as the second robot's last run requires; its missing length is added somewhere
+//! on the path as half a circle, a straight segment, half a circle and the same segment back.
 
 use super::StuckAssembly;
 use super::pair::{Departure, PairSite, PairingContext};

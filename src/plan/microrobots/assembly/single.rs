@@ -23,8 +23,8 @@ const ARMS: [Arm; 2] = [Arm::Down, Arm::Up];
 const FIRST_RUNS: usize = 24;
 const LAST_RUNS: usize = 40;
 
-/// The stretch that docks one robot, given the control states in which it turns and runs straight, and fine motions, of which the
-/// first that has room is taken.
+/// Plans the stretch that docks one robot, given the control states in which it turns and runs straight, with the first
+/// of these fine motions that has room.
 pub fn plan(
     bed: &AssemblyState,
     dock: &Dock,
@@ -51,7 +51,7 @@ struct Visit<'a> {
     index: usize,
     states: [usize; 2],
     goal: Pose,
-    /// Where its fine motion begins as it is planned, and as the controller makes it.
+    /// Poses at which its fine motion begins: as planned, and as the controller makes it.
     approach: Pose,
     gross_end: Pose,
     aim: TrackAim,
@@ -75,7 +75,7 @@ impl<'a> Visit<'a> {
             PlannedFineMotion::LeftOut => whole.backward(robot, ARMS, goal),
         };
         let motion = cycles.forward(robot, ARMS, Pose::at(0.0, 0.0));
-        // What ends within a wide precision, but not where it sticks, comes together in no trial.
+        // A robot that ends within a wide precision, but outside the docking tolerances, sticks in no trial.
         let (docking, wide) = (bed.order.facts.docking, bed.order.precision);
         let precision = Precision {
             place_um: wide.place_um.min(docking.tolerance_um),
@@ -117,7 +117,8 @@ impl<'a> Visit<'a> {
         }
     }
 
-    /// The stretch with the first of these paths that the collision rules allow; the collision of the last one is recorded.
+    /// Stretch with the first of these paths that the collision rules allow; if none, the last one's collision is
+    /// recorded.
     fn first_free(
         &self,
         ways: impl Iterator<Item = Vec<ArmSegment>>,

@@ -189,7 +189,7 @@ fn structures_of_two_to_five_robots_are_assembled() {
     }
 }
 
-/// Without fine motions a structure needs fewer legs, and the rules are kept all the same.
+/// Without fine motions a structure needs fewer legs, and the rules are still kept.
 #[test]
 fn structures_without_fine_motions_have_few_legs() {
     for count in 2..=4 {
@@ -441,8 +441,8 @@ fn closings_close() {
     assert!(found > 1000, "only {found} ways");
 }
 
-/// A turn that whole strokes cannot make within the precision of the heading is one that no number of strokes makes, and the other way
-/// round: all numbers of strokes up to a full turn more are tried.
+/// A turn is refused exactly if no number of whole strokes makes it within the precision of the heading: all numbers of
+/// strokes up to an eighth of a turn more are tried.
 #[test]
 fn turns_are_those_that_whole_strokes_make() {
     let (robot, mut dice) = (row(1), Dice(7));

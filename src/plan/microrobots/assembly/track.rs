@@ -1,8 +1,8 @@
 //! The path of one robot as arm positions and whole strokes.
 //!
-//! Input: a path of arcs and straight lines in micrometres, and its required end. Output: the same path in whole strokes, of a
-//! given total number where required. Promise: the returned path ends within the precision; its pieces change by a few strokes
-//! each.
+//! Input: a path of arcs and straight lines in micrometres, and its required end. Output: the same path in whole
+//! strokes, of a given total number where required. Promise: the returned path ends within the precision; its pieces
+//! change by a few strokes each.
 
 use crate::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot, wrapped_rad};
@@ -25,7 +25,7 @@ const ROUNDING_RAD: f64 = 1e-9;
 /// Arm positions of one robot over time.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ArmTrack {
-    /// Neighbours differ; each is at least one stroke.
+    /// Adjacent pieces differ in their arm; each is at least one stroke.
     pub pieces: Vec<(Arm, u64)>,
 }
 
@@ -42,8 +42,8 @@ impl ArmTrack {
         other.pieces.iter().for_each(|&(arm, strokes)| self.push(arm, strokes));
     }
 
-    /// The same with each change of the arm that is at most so many strokes from one of the other track moved to it: fewer control
-    /// states are set.
+    /// The same track with each arm change moved to a change of the other track, if that is at most `most` strokes
+    /// away: fewer control states are set.
     pub fn aligned(&self, other: &ArmTrack, most: u64) -> ArmTrack {
         let changes: Vec<u64> = other
             .pieces
@@ -98,22 +98,22 @@ impl TrackAim {
         miss(self.precision, composed(pose, self.motion), self.goal)
     }
 
-    /// Whether a robot that is this far from the goal's heading comes within precision of it by more or fewer strokes with its arm down:
-    /// each turns it by the same angle.
+    /// Whether a robot that is this far off the goal's heading comes within precision of it by more or fewer strokes
+    /// with its arm down, each of which turns it by the same angle.
     fn can_face(&self, robot: &Robot, off_rad: f64) -> bool {
         let stroke_rad = robot.step_um / robot.turning_radius_um;
         let left_rad = off_rad - stroke_rad * (off_rad / stroke_rad).round();
         left_rad.abs() <= self.precision.heading_rad + ROUNDING_RAD
     }
 
-    /// Whether a path to the goal with so much of it in turns has a like in whole strokes that ends with the goal's heading, within
-    /// precision. Where it has none, no path has that turns by the same angle.
+    /// Whether a path to the goal with this length in turns has a counterpart in whole strokes that ends with the
+    /// goal's heading, within precision. If it has none, neither has any other path that turns by the same angle.
     pub fn allows_turn(&self, robot: &Robot, turn_um: f64) -> bool {
         self.can_face(robot, turn_um / robot.turning_radius_um)
     }
 }
 
-/// How much of a path is in turns.
+/// Length of a path's turns.
 pub fn turn_um(way: &[ArmSegment]) -> f64 {
     way.iter().filter(|segment| segment.arm == Arm::Down).map(|segment| segment.way_um).sum()
 }
@@ -130,8 +130,8 @@ pub fn composed(frame: Pose, pose: Pose) -> Pose {
 
 /// A path in whole strokes that ends at the goal within precision, of exactly `total` strokes; `None` if none is found.
 ///
-/// Rounding preserves the sums of turns and of straight lines approximately; a descent that moves strokes between pieces removes
-/// the remaining error.
+/// Rounding preserves the sums of turns and of straight lines approximately; a descent that moves strokes between
+/// pieces removes the remaining error.
 pub fn whole(robot: &Robot, from: Pose, way: &[ArmSegment], aim: &TrackAim, total: u64) -> Option<ArmTrack> {
     let mut pieces = rounded(robot, way);
     let excess = pieces.iter().map(|piece| piece.1).sum::<u64>() as i64 - total as i64;
@@ -185,7 +185,8 @@ fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..count).flat_map(move |one| (0..count).map(move |other| (one, other)))
 }
 
-/// Each piece in whole strokes, such that neither the turns nor the straight lines accumulate more than half a stroke of error.
+/// Each piece in whole strokes, such that neither the turns nor the straight lines accumulate more than half a stroke
+/// of error.
 fn rounded(robot: &Robot, way: &[ArmSegment]) -> Vec<(Arm, u64)> {
     let mut owed = [0.0; 2];
     let round = |&ArmSegment { arm, way_um }: &ArmSegment| {

@@ -1,17 +1,18 @@
-//! Lower bounds on the duration, the strokes and the control cycles of any plan of a job, for all control states it may use and all stopping places within the
-//! precision.
+//! Lower bounds on the duration, the strokes and the control cycles of any plan of a job, over all control states it
+//! may use and all stopping places within the precision.
 //!
-//! The problem: every robot moves with every stroke, so the pose of a robot when its turn comes depends on the plan; and a plan
-//! that stops short within the precision saves a part of its path, and of the next one. Method: all plans of a job agree on the
-//! poses of the robots at its start and after states that are applied before anything is driven, and, up to the precision, on the
-//! poses of a robot at its stops and docks. Between two such poses of one robot there are at least as many strokes as its shortest
-//! path has, and robots that come together hold one another up ([`together`]); summed over the steps between them. So the instants of the
-//! job are related by least differences, and the bound is the longest path through them. Strokes are bounded by the longest path that counts them
-//! alone. Control cycles are counted where the pose before a step does not depend on the plan: one for each part of the shortest path.
+//! Problem: every robot moves with every stroke, so the pose of a robot when its turn comes depends on the plan; and a
+//! plan that stops short within the precision saves a part of its path, and of the next one. Method: all plans of a job
+//! agree on the poses of the robots at its start and after states that are applied before anything is driven and, up to
+//! the precision, on the poses of a robot at its stops and docks. Between two such poses of one robot, the steps
+//! together have at least as many strokes as its shortest path, and robots that come together hold one another up
+//! ([`together`]). So the instants of the job are related by least differences, and the bound is the longest path
+//! through them. Strokes are bounded by the longest path that counts them alone. Control cycles are counted where the
+//! pose before a step does not depend on the plan: one for each part of the shortest path.
 //!
-//! Promise: no schedule that keeps the claims is faster, or has fewer strokes or control cycles. Not promised: that the bound is attained; obstacles, other robots in the way and
-//! rounding to whole strokes are ignored. Cost: `MAX_EARLIER` shortest paths for each stop and dock, and the square of the robots of an
-//! assembly.
+//! Promise: no schedule that keeps the claims is faster, or has fewer strokes or control cycles. Not promised: that the
+//! bound is attained; obstacles, other robots in the way and rounding to whole strokes are ignored. Cost: `MAX_EARLIER`
+//! shortest paths for each stop and dock, and the square of the robots of an assembly.
 
 pub mod together;
 
@@ -119,7 +120,7 @@ impl<'a> JobPrefix<'a> {
         }
     }
 
-    /// Adds an instant after a known time, of which `still_ns` has no strokes.
+    /// Adds an instant `time_ns` after the latest one; for `still_ns` of that time there are no strokes.
     fn goes_by(&mut self, time_ns: u64, still_ns: u64) {
         let latest = self.latest();
         self.at_ns.push(self.at_ns[latest].saturating_add(time_ns));
@@ -150,7 +151,7 @@ impl<'a> JobPrefix<'a> {
         }
     }
 
-    /// Robots reach stops; if there are several, they stay there.
+    /// Records that robots reach stops; if there are several robots, they stay there.
     fn arrive(&mut self, stops: &[(usize, &MicrorobotsStop)]) {
         let cycles_ns = stops.iter().map(|(robot, stop)| self.cycles_ns(*robot, stop)).max().unwrap_or(0);
         self.goes_by(cycles_ns, cycles_ns);
@@ -177,13 +178,13 @@ impl<'a> JobPrefix<'a> {
         }
     }
 
-    /// Duration of the control cycles that a robot needs since the previous instant, if its pose then is known.
+    /// Duration of the control cycles that a robot needs after the previous instant; 0 if its pose then is not known.
     fn cycles_ns(&self, robot: usize, stop: &MicrorobotsStop) -> u64 {
         let levels = self.order.states.iter().map(|state| state.levels_v.len()).min().unwrap_or(0);
         (self.legs(robot, stop) * levels) as u64 * self.order.facts.dwell_ns
     }
 
-    /// Legs that a robot needs since the previous instant, if its pose then is known.
+    /// Legs that a robot needs after the previous instant; 0 if its pose then is not known.
     fn legs(&self, robot: usize, stop: &MicrorobotsStop) -> usize {
         let (order, goal) = (self.order, PoseWithin { pose: stop.pose, slack: self.order.precision });
         let Some(known) = self.known[robot].last().filter(|known| known.instant == self.latest()) else { return 0 };
@@ -196,7 +197,7 @@ impl<'a> JobPrefix<'a> {
         }
     }
 
-    /// Legs that a step needs until its first stop, if no plan is in another pose before it; 0 where that depends on the plan.
+    /// Legs that a step needs until its first stop; 0 if the poses before the step depend on the plan.
     fn known_legs(&self, robot: usize, stop: &MicrorobotsStop) -> usize {
         if self.poses.is_some() { self.legs(robot, stop) } else { 0 }
     }
@@ -208,7 +209,7 @@ mod tests {
     use super::*;
     use crate::device::microrobots::Arm;
 
-    /// A way that is driven in so many strokes is not said to need more, and of a straight one all are counted.
+    /// The bound never exceeds the strokes in which a path was driven, and equals them for a straight path.
     #[test]
     fn a_way_needs_no_more_strokes_than_it_is_driven_in() {
         let order = bed(vec![(robot("D1", 150.0, 0.015), pose(0.0, 0.0, 30.0))], Vec::new());

@@ -1,8 +1,8 @@
-//! Where a command brings the robots, held against the obstacles and against each other before it is given.
+//! Collision check of a command, against obstacles and other robots, before it is given.
 //!
-//! Input: the measured poses, and strokes in control states. Output: the first robot that these bring into an obstacle or into another robot, as far as
-//! their poses are known. Every stroke moves all robots that have not docked, so those that stand by are looked at like the driven ones. Robots that
-//! are to meet may touch. Nothing is allocated.
+//! Input: the measured poses, and strokes in control states. Output: the first robot that these bring into an obstacle
+//! or into another robot, as far as their poses are known. Every stroke moves all robots that have not docked, so those
+//! that stand by are checked like the driven ones. Robots that are to meet may touch. Nothing is allocated.
 
 use super::Segment;
 use super::belief::Belief;
@@ -10,13 +10,14 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{StrategySolid, body};
 
-/// Looks at a robot on its way are so many to a width of its body.
+/// Samples of a robot's path per width of its body.
 const LOOKS_PER_WIDTH: f64 = 8.0;
 
-/// Looks at a segment at most, so that an answer is not late: circles of robots with a very large turning radius are looked at more coarsely.
+/// Most samples of a segment, so that an answer is not late: circles with a very large turning radius are sampled more
+/// coarsely.
 const MOST_LOOKS: f64 = 4096.0;
 
-/// What a robot would run into; indices of the order's.
+/// Thing that a robot would run into, as an index into the order's obstacles or robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InTheWay {
     Obstacle(usize),
@@ -32,7 +33,7 @@ impl InTheWay {
         }
     }
 
-    /// The one of this name in the order's scene.
+    /// Thing of this name in the order's scene.
     pub fn named(order: &MicrorobotsOrder, name: &str) -> Option<InTheWay> {
         let obstacle = order.obstacles.iter().position(|obstacle| obstacle.name == name).map(InTheWay::Obstacle);
         let robot = || (0..order.robots.len()).find(|robot| order.robot(*robot).name == name).map(InTheWay::Robot);
@@ -43,21 +44,22 @@ impl InTheWay {
 /// A collision that a command would lead to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CollisionAhead {
-    /// Index of the order's robots.
+    /// Index into the order's robots.
     pub robot: usize,
     pub with: InTheWay,
 }
 
 impl Belief<'_> {
-    /// The first collision that some segments lead to from where the robots were measured. Those that `may_touch` are driven against each other or
-    /// against docked ones on purpose.
+    /// First collision that segments lead to from the measured poses. Robots in `may_touch` are driven against each
+    /// other or against docked ones on purpose.
     pub fn collision_ahead(&self, segments: &[Segment], may_touch: [Option<usize>; 2]) -> Option<CollisionAhead> {
         self.approach_ahead(0.0, segments, may_touch)
     }
 
-    /// Whether some segments of the drive of a robot lead to no collision, and bring nothing nearer to another thing than this.
+    /// Whether the segments of a robot's drive lead to no collision, and bring nothing nearer than `room_um` to another
+    /// thing.
     pub fn has_room(&self, room_um: f64, segments: &[Segment]) -> bool {
-        // What is nearer already does not come near.
+        // Things that are nearer already do not enter `room_um`, so collisions are checked as well.
         [0.0, room_um].into_iter().all(|room_um| self.approach_ahead(room_um, segments, [None; 2]).is_none())
     }
 
@@ -87,13 +89,13 @@ impl Belief<'_> {
         })
     }
 
-    /// The first obstacle that some segments bring a robot into.
+    /// First obstacle that segments bring a robot into.
     fn obstacle_ahead(&self, robot: usize, room_um: f64, segments: &[Segment]) -> Option<usize> {
         if self.obstacles.is_empty() {
             return None;
         }
         let (facts, start) = (self.order.robot(robot), self.poses[robot]);
-        // A body that is smaller by the error of its measurement is surely there.
+        // The body, shrunk by the error of its measurement, is certainly there.
         let doubt_um = self.doubt_um(self.reach_um(robot));
         let touches = |obstacle: &StrategySolid, pose: Pose, less_um: f64| {
             obstacle.distance_um(&body(facts, pose, less_um), 0.0) <= room_um
@@ -101,7 +103,7 @@ impl Belief<'_> {
         let enters = |obstacle: &StrategySolid, pose: Pose, less_um: f64| {
             touches(obstacle, pose, less_um) && !touches(obstacle, start, less_um)
         };
-        // From where it seems to touch already, it must not go on until it surely does.
+        // A robot that seems to touch at the start may go on only until it certainly does.
         let is_entered = |obstacle: &StrategySolid, pose: Pose| {
             touches(obstacle, pose, 0.0) && (enters(obstacle, pose, 0.0) || enters(obstacle, pose, doubt_um))
         };
@@ -109,7 +111,7 @@ impl Belief<'_> {
         segments.iter().find_map(|segment| {
             let (begin, way_um) = (from, self.way_um(robot, segment));
             from = self.gone(robot, begin, segment, 1.0);
-            // Corners go farther than the middle where the body turns.
+            // Where the body turns, its corners go farther than its middle.
             let most_um = way_um * (1.0 + self.reach_um(robot) / facts.turning_radius_um);
             LooksAhead::new(way_um / facts.width_um, most_um).find_map(|part| {
                 let pose = self.gone(robot, begin, segment, part);
@@ -125,7 +127,7 @@ impl Belief<'_> {
         })
     }
 
-    /// Whether some segments bring two robots into each other.
+    /// Whether segments bring two robots into each other.
     fn is_led_into(&self, pair: [usize; 2], room_um: f64, segments: &[Segment]) -> bool {
         let facts = pair.map(|robot| self.order.robot(robot));
         let start = pair.map(|robot| self.poses[robot]);
@@ -158,28 +160,29 @@ impl Belief<'_> {
         if self.docked[robot] { 0.0 } else { self.order.robot(robot).step_um * segment.strokes as f64 }
     }
 
-    /// Where a robot is after a part of a segment.
+    /// Pose of a robot after a part of a segment.
     fn gone(&self, robot: usize, from: Pose, segment: &Segment, part: f64) -> Pose {
         let arm = self.order.states[segment.state].arms[self.order.robots[robot].row];
         self.order.robot(robot).moved(from, arm, self.way_um(robot, segment) * part)
     }
 }
 
-/// Evenly spaced looks at bodies on their way, without those at which they surely do not touch.
+/// Evenly spaced samples of a path, without those at which the bodies certainly do not touch.
 struct LooksAhead {
     count: f64,
-    /// How much nearer bodies can come from one look to the next.
+    /// Most by which bodies can come nearer from one sample to the next.
     most_um: f64,
 }
 
 impl LooksAhead {
-    /// Over a way of so many widths of a body, on which bodies come nearer to each other by at most `most_um`.
+    /// Samples for a path of `widths` body widths, on which bodies come nearer to each other by at most `most_um`.
     fn new(widths: f64, most_um: f64) -> Self {
         let count = (widths * LOOKS_PER_WIDTH).ceil().clamp(1.0, MOST_LOOKS);
         LooksAhead { count, most_um: most_um / count }
     }
 
-    /// What is found at the first look, at a part of the way, that finds something; another one answers how far bodies are apart there at least.
+    /// First result of `find`, which is called with shares of the path. Its error is a lower bound on the distance of
+    /// the bodies there, by which samples are skipped.
     fn find_map<T>(&self, find: impl Fn(f64) -> Result<T, f64>) -> Option<T> {
         let mut look = 1.0;
         while look <= self.count {

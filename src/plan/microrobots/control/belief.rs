@@ -1,8 +1,8 @@
-//! What the controller knows of the bed: measured poses, which robots it holds for docked, and where the structure is.
+//! The controller's knowledge of the bed: measured poses, docked robots, and the place of the structure.
 //!
-//! Docked robots stand still, so their poses are the means of all measurements since they docked. The structure's place is that of
-//! its first robots: a rotation by their measured headings and by the directions between them, each weighted by the bound on its error,
-//! and a shift of their middle.
+//! Docked robots stand still, so their poses are the means of all measurements since they docked. The structure's place
+//! is that of its first robots: a rotation by their measured headings and by the directions between them, each weighted
+//! by the bound on its error, and a shift of their middle.
 
 use super::follow::{CommandedCourse, Following, GATE, SLACK_RAD, SLACK_UM};
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -14,35 +14,35 @@ use crate::plan::microrobots::world::OrientedRectangle;
 use crate::real::Real;
 use std::f64::consts::{FRAC_PI_6, TAU};
 
-/// How far from its start a robot may be set down by hand, in lengths of its body, and how far it may be turned there; what is farther from
-/// where its commands lead is no slip.
+/// Distance from its start, in lengths of its body, and angle within which a robot may be set down by hand. A robot
+/// that is farther from where its commands lead has not merely slipped.
 const PLACED_LENGTHS: f64 = 1.0;
 const PLACED_RAD: f64 = FRAC_PI_6;
 
-/// So many times in a row a robot may be measured where its commands cannot have brought it.
+/// Most consecutive times that a robot may be measured where its commands cannot have brought it.
 pub const MAX_ASTRAY: u32 = 5;
 
-/// State of the bed as it is measured.
+/// State of the bed as measured.
 #[derive(Debug, Clone)]
 pub struct Belief<'a> {
     pub order: &'a MicrorobotsOrder,
     pub errors: Errors,
-    /// One for each robot of the order: the last measurement that was believed, or the mean of a docked robot.
+    /// One for each robot of the order: the last accepted measurement, or the mean of a docked robot.
     pub poses: Vec<Pose>,
     pub docked: Vec<bool>,
     pub obstacles: Vec<StrategySolid>,
     /// Half of each body's diagonal.
     reaches_um: Vec<f64>,
     means: Vec<PoseMean>,
-    /// Nominal path of each robot since the last measurement that was believed, and the part of it with the arm down.
+    /// Nominal path of each robot since the last accepted measurement, and the part of it with the arm down.
     since: Vec<[f64; 2]>,
     /// Where the commands bring each robot.
     courses: Vec<CommandedCourse>,
-    /// A measurement that could not be true, and may be confirmed by the next one.
+    /// A measurement that could not be true, but that the next one may confirm.
     suspects: Vec<Option<Pose>>,
-    /// The robots whose places define that of the structure, with their planned poses.
+    /// Robots whose places define that of the structure, with their planned poses.
     base: Vec<(usize, Pose)>,
-    /// From where the structure should be to where it is.
+    /// Motion from the planned place of the structure to its actual one.
     structure: Placement,
     is_first: bool,
 }
@@ -72,16 +72,16 @@ pub enum Sighting {
     Unseen(usize),
     /// This robot cannot have come to where it was measured.
     Doubtful(usize),
-    /// This robot has not followed its commands too many times in a row.
+    /// This robot was off its commanded path too many times in a row.
     Astray(usize),
-    /// This robot is, and stays, where neither its commands nor chance can have brought it.
+    /// This robot stays where neither its commands nor chance can have brought it.
     Moved(usize),
 }
 
 impl<'a> Belief<'a> {
-    /// Before the first measurement; the poses are those that the plan begins with.
+    /// State before the first measurement; the poses are those that the plan begins with.
     pub fn new(order: &'a MicrorobotsOrder, errors: Errors, poses: &[Pose], docked: &[bool]) -> Self {
-        // Room for the two that begin a structure, so that nothing is allocated when they dock.
+        // Reserves room for the two robots that begin a structure, so that nothing is allocated when they dock.
         let mut base = Vec::with_capacity(poses.len().max(2));
         base.extend((0..poses.len()).filter(|robot| docked[*robot]).map(|robot| (robot, poses[robot])));
         let reach_um = |robot: usize| order.robot(robot).length_um.hypotenuse(order.robot(robot).width_um) / 2.0;
@@ -102,8 +102,8 @@ impl<'a> Belief<'a> {
         }
     }
 
-    /// Takes a measurement over, made after some segments. Nothing is taken over unless all of it can be used. The robots that may touch
-    /// were driven against others by the segments, and may have been stopped on their way.
+    /// Accepts a measurement that was made after some segments; nothing is accepted unless all of it can be used.
+    /// Robots in `may_touch` were driven against others by the segments, and may have been stopped on their way.
     pub fn see(&mut self, measured: &[Option<Pose>], driven: &[Segment], may_touch: [Option<usize>; 2]) -> Sighting {
         self.count(driven);
         if let Some(robot) = (0..self.poses.len()).find(|robot| at(measured, *robot).is_none()) {
@@ -129,7 +129,7 @@ impl<'a> Belief<'a> {
         astray.map_or(Sighting::Usable, Sighting::Astray)
     }
 
-    /// The first robot that cannot be where it was measured; the measurement is kept, since the next one may confirm it.
+    /// First robot that cannot be where it was measured. The measurement is kept, since the next one may confirm it.
     fn doubtful(&mut self, measured: &[Option<Pose>]) -> Option<usize> {
         let mut doubtful = None;
         for robot in 0..self.poses.len() {
@@ -149,8 +149,8 @@ impl<'a> Belief<'a> {
         doubtful
     }
 
-    /// The first robot whose place was confirmed by the next measurement, but is far from where the commands bring it, too: not its last
-    /// place was wrong, and no robot slips so far, but it was moved, or is taken for another one.
+    /// First robot whose place was confirmed by the next measurement, but is also far from where the commands bring it.
+    /// So its last place was not wrong, and no robot slips so far: it was moved, or is mistaken for another one.
     fn moved(&self, measured: &[Option<Pose>]) -> Option<usize> {
         let is_moved = |robot: usize, pose: Pose| {
             let slipped_um = PLACED_LENGTHS * self.order.robot(robot).length_um;
@@ -162,21 +162,21 @@ impl<'a> Belief<'a> {
             .find(|robot| at(measured, *robot).is_some_and(|pose| is_moved(*robot, pose)))
     }
 
-    /// Whether a robot is where it was set down, as far as a hand can do that, and is not taken for another one.
+    /// Whether a robot is where it was set down, within what a hand can do, and is not mistaken for another one.
     fn is_at_start(&self, robot: usize, pose: Pose) -> bool {
         let (start, errors) = (self.poses[robot], self.errors);
         let off_um = |other: &Pose| (pose.x_um - other.x_um).hypotenuse(pose.y_um - other.y_um);
         let own_um = off_um(&start);
         let most_um = PLACED_LENGTHS * self.order.robot(robot).length_um + errors.place_um + SLACK_UM;
         let most_rad = PLACED_RAD + errors.heading_rad + SLACK_RAD;
-        // Robots that start side by side are told apart by whose start is nearer.
+        // If robots start side by side, the nearer start tells them apart.
         let is_nearer = |other: &Pose| off_um(other) + GATE * errors.place_um + SLACK_UM < own_um;
         own_um <= most_um
             && wrapped_rad(pose.heading_rad - start.heading_rad).abs() <= most_rad
             && !self.poses.iter().any(is_nearer)
     }
 
-    /// A robot that is measured within the body of another one, by more than the errors of the measurement.
+    /// First robot that is measured inside the body of another one by more than the errors of measurement allow.
     fn overlapping(&self, measured: &[Option<Pose>]) -> Option<usize> {
         let overlaps = |robot: usize, other: usize| {
             let (Some(one), Some(two)) = (at(measured, robot), at(measured, other)) else { return false };
@@ -196,7 +196,7 @@ impl<'a> Belief<'a> {
         one.to_rectangle_um(&other)
     }
 
-    /// Distance between two bodies at least, however they are turned.
+    /// Lower bound on the distance between two bodies, however they are turned.
     pub fn least_apart_um(&self, pair: [usize; 2], [one, other]: [Pose; 2]) -> f64 {
         let reaches_um = pair.map(|robot| self.reach_um(robot));
         (one.x_um - other.x_um).hypotenuse(one.y_um - other.y_um) - (reaches_um[0] + reaches_um[1])
@@ -207,7 +207,8 @@ impl<'a> Belief<'a> {
         pair.iter().map(|robot| self.doubt_um(self.reach_um(*robot))).sum()
     }
 
-    /// Compares a measurement with where the commands bring each robot; the first one that was astray too often. Docked robots do not move.
+    /// Compares a measurement with where the commands bring each robot; returns the first one that was astray too
+    /// often. Docked robots do not move.
     fn follow(&mut self, measured: &[Option<Pose>], may_touch: [Option<usize>; 2]) -> Option<usize> {
         let mut astray = None;
         for robot in (0..self.poses.len()).filter(|robot| !self.docked[*robot]) {
@@ -229,7 +230,7 @@ impl<'a> Belief<'a> {
         astray
     }
 
-    /// Whether another robot is so near that it may touch this one.
+    /// Whether another robot is near enough to touch this one.
     fn is_beside(&self, robot: usize, measured: &[Option<Pose>]) -> bool {
         let Some(own) = at(measured, robot) else { return false };
         let (aligned_um, _) = self.alignment();
@@ -244,7 +245,7 @@ impl<'a> Belief<'a> {
         self.reaches_um[robot]
     }
 
-    /// Adds what was driven to the paths since the last measurement that was believed.
+    /// Adds driven segments to the paths since the last accepted measurement.
     fn count(&mut self, driven: &[Segment]) {
         for (robot, since) in self.since.iter_mut().enumerate() {
             let (step_um, row) = (self.order.robot(robot).step_um, self.order.robots[robot].row);
@@ -258,7 +259,8 @@ impl<'a> Belief<'a> {
         }
     }
 
-    /// Whether a robot can have come from one measured pose to another on some path; it may have been stopped on its way.
+    /// Whether a robot can have come from one measured pose to another on some path of this length, part of it turning;
+    /// it may have been stopped on its way.
     fn can_reach(&self, robot: usize, from: Pose, to: Pose, [whole_um, turned_um]: [f64; 2]) -> bool {
         let (facts, errors) = (self.order.robot(robot), self.errors);
         // Robots that meet align themselves.
@@ -280,14 +282,14 @@ impl<'a> Belief<'a> {
         (docking.self_aligning_um, docking.self_aligning_rad)
     }
 
-    /// A robot is held for docked from now on.
+    /// Counts a robot as docked from now on.
     pub fn dock(&mut self, robot: usize) {
         self.docked[robot] = true;
         self.means[robot] = PoseMean::NONE;
         self.poses[robot] = self.means[robot].with(self.poses[robot]);
     }
 
-    /// The structure begins with these robots, at these planned poses.
+    /// Begins the structure with these robots, at these planned poses.
     pub fn found(&mut self, base: [(usize, Pose); 2]) {
         self.base.clear();
         self.base.extend_from_slice(&base);
@@ -299,8 +301,8 @@ impl<'a> Belief<'a> {
         self.structure.moved(pose)
     }
 
-    /// Distance of a robot's front, at a goal, from what some docked robots before it have ahead of that front; of the nearest corner where
-    /// that is nothing.
+    /// Distance from a robot's front, at a goal, to the nearest point of docked robots in `before` that lies ahead of
+    /// that front; to their nearest corner if none does.
     pub fn gap_um(&self, robot: usize, goal: Pose, before: &[usize]) -> f64 {
         let (sin, cos) = goal.heading_rad.sine_cosine();
         let own = self.order.robot(robot);
@@ -319,12 +321,12 @@ impl<'a> Belief<'a> {
         if nearest_um.is_finite() { nearest_um - own.length_um / 2.0 } else { 0.0 }
     }
 
-    /// Bound on the error of the place of a point at this distance from a measured robot.
+    /// Bound on the position error of a point at this distance from a measured robot.
     pub fn doubt_um(&self, lever_um: f64) -> f64 {
         self.errors.place_um + self.errors.heading_rad * lever_um
     }
 
-    /// Bound on how far a robot whose place and heading are known parts from its nominal path over a stretch.
+    /// Bound on how far a robot whose place and heading are known deviates from its nominal path over a stretch.
     pub fn astray_um(&self, way_um: f64) -> f64 {
         (self.errors.turning_rad_per_um * way_um / 2.0 + self.errors.speed_ratio) * way_um
     }
@@ -383,7 +385,7 @@ impl Placement {
 impl PoseMean {
     const NONE: PoseMean = PoseMean { first_rad: 0.0, x_um: 0.0, y_um: 0.0, off_rad: 0.0, count: 0.0 };
 
-    /// The mean with one more pose.
+    /// Adds a pose and returns the mean.
     fn with(&mut self, pose: Pose) -> Pose {
         if self.count == 0.0 {
             self.first_rad = pose.heading_rad;
@@ -397,8 +399,8 @@ impl PoseMean {
     }
 }
 
-/// Least way ahead of the points of an edge that are no further to the side than half of a width; infinite if there are none. Of an edge along
-/// the heading only one end counts: the other one belongs to the next edge.
+/// Least distance ahead of those points of an edge that are no farther to the side than half a width; infinite if there
+/// are none. Of an edge along the heading only one end counts: the other one belongs to the next edge.
 fn ahead_of_front_um(one: [f64; 2], other: [f64; 2], half_um: f64) -> f64 {
     let [low, high] = if one[1] <= other[1] { [one, other] } else { [other, one] };
     if high[1] < -half_um || low[1] > half_um {

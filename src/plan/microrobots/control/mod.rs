@@ -1,17 +1,21 @@
-//! The controller: from measured poses to the next segment of the drive.
+//! Controller: from measured poses to the next segment of the drive.
 //!
-//! Input: an order, its motion, and at each measurement the poses of all robots as they were measured. Output: a [`Command`], which
-//! states what to drive until the next measurement. It is the strategy of [`strategy`](crate::plan::microrobots::strategy) as a machine with one state for
-//! each stage of the plan: departure and other legs as written, drives, pairs and single robots, each in gross motion, fine motion, contact and its
-//! judgement. It knows measurements only: a robot is held for docked when it was pushed against its structure and is measured in its place.
+//! Input: an order, its motion and, at each measurement, the measured poses of all robots. Output: a [`Command`], which
+//! states what to drive until the next measurement. It runs the strategy of
+//! [`strategy`](crate::plan::microrobots::strategy) as a state machine with one state for each stage of the plan:
+//! departure and other legs as written, drives, pairs and single robots, each in gross motion, fine motion, contact and
+//! its judgement. It knows measurements only: a robot counts as docked once it was pushed against its structure and is
+//! measured in its place.
 //!
-//! A measurement that cannot be true is not acted upon: the bed rests for an interval, and the next one decides. After too many of these, or
-//! if no measurement comes for the time that the device states, it stops: at 0 V all arms go up and nothing moves. So it does when a robot is measured
-//! too many times in a row where its commands cannot have brought it: the robot does not move, or the picture does not change. And no command is
-//! given that brings a robot into an obstacle or into another robot that it is not to meet, as far as their poses are known: a correction that the
-//! plan does not have may need more room.
+//! A measurement that cannot be true is not acted upon: the bed holds still for an interval, and the next one decides.
+//! After too many of these, or if no measurement comes for the time that the device states, the controller stops: at 0
+//! V all arms go up and nothing moves. It also stops if a robot is measured too many times in a row where its commands
+//! cannot have brought it, because the robot does not move or the picture does not change. No command is given that
+//! brings a robot into an obstacle or into another robot that it is not to meet, as far as their poses are known: a
+//! correction that the plan does not have may need more room.
 //!
-//! Everything is allocated before the first measurement. Without errors (all bounds 0) the legs of the plan are carried out as written.
+//! Everything is allocated before the first measurement. Without errors (all bounds 0) the legs of the plan are carried
+//! out as written.
 
 mod ahead;
 mod belief;
@@ -28,7 +32,7 @@ pub use belief::MAX_ASTRAY;
 use belief::{Belief, Sighting};
 use stages::{Progress, StageOf};
 
-/// So many measurements in a row may be unusable.
+/// Most consecutive measurements that may be unusable.
 pub const MAX_UNUSABLE: u32 = 5;
 
 /// Strokes in a control state.
@@ -42,11 +46,11 @@ pub struct Segment {
     pub sets_arms: bool,
 }
 
-/// What is to be done until the next measurement.
+/// Action until the next measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command<'c> {
-    /// These segments one after the other, then the relax level, which moves nothing and keeps the arms, until the next command. The next
-    /// measurement is due at `until_ns`.
+    /// These segments one after the other, then the relax level, which moves nothing and keeps the arms, until the next
+    /// command. The next measurement is due at `until_ns`.
     Drive { segments: &'c [Segment], until_ns: u64 },
     /// 0 V: all arms up, nothing moves.
     Rest { until_ns: u64 },
@@ -58,15 +62,15 @@ pub enum Command<'c> {
     Stop(Stop),
 }
 
-/// Why a task was given up.
+/// Reason why a task was given up, and where.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stop {
     pub reason: StopReason,
-    /// Index of the order's robots, where one is to blame.
+    /// Index into the order's robots, if one is to blame.
     pub robot: Option<usize>,
-    /// What this robot would have run into.
+    /// Thing that this robot would have run into.
     pub in_the_way: Option<InTheWay>,
-    /// Index of the order's steps.
+    /// Index into the order's steps.
     pub step: usize,
     pub phase: ControlPhase,
 }
@@ -79,7 +83,7 @@ pub struct Controller<'a> {
     /// Index of the current stage.
     at: usize,
     drive: Drive,
-    /// When the last command ends.
+    /// Instant at which the last command ends.
     until_ns: u64,
     last_ns: Option<u64>,
     unusable: u32,
@@ -98,15 +102,15 @@ enum LastCommand {
     Stop(Stop),
 }
 
-/// Whatever answers measurements with commands: a [`Controller`], here or in another process.
+/// Source of commands in answer to measurements: a [`Controller`], here or in another process.
 pub trait Pilot {
     /// See [`Controller::observe`].
     fn observe(&mut self, measured: &[Option<Pose>], now_ns: u64) -> Command<'_>;
 
-    /// Index of the order's step that is carried out.
+    /// Index of the order's step in progress.
     fn step(&self) -> usize;
 
-    /// What is done at the moment.
+    /// Phase in progress.
     fn phase(&self) -> ControlPhase;
 }
 
@@ -124,16 +128,16 @@ impl Pilot for Controller<'_> {
     }
 }
 
-/// Segments of a command in the making.
+/// Segments of a command under construction.
 #[derive(Debug, Clone)]
 pub struct Drive {
     segments: Vec<Segment>,
-    /// The state that the arms are in; `None` while they are up without voltage, or unknown.
+    /// Control state that the arms are in; `None` while they are up without voltage, or unknown.
     held: Option<usize>,
 }
 
 impl Drive {
-    /// Drives this many strokes in a state.
+    /// Adds this many strokes in a state.
     pub fn add(&mut self, state: usize, strokes: u64) {
         if strokes == 0 {
             return;
@@ -149,7 +153,7 @@ impl Drive {
 }
 
 impl<'a> Controller<'a> {
-    /// `None` where the device does not state its errors: how far to trust a measurement is unknown then.
+    /// `None` if the device does not state its errors: how far to trust a measurement is then unknown.
     pub fn new(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> Option<Self> {
         let errors = order.facts.errors?;
         let belief = Belief::new(order, errors, &motion.start.poses, &motion.start.docked);
@@ -169,8 +173,8 @@ impl<'a> Controller<'a> {
         })
     }
 
-    /// How much more than the task's precision, and one error of measurement, it may be from the goals of its drives when they count as done: in
-    /// micrometres and radians; `None` where it is no more.
+    /// Distance from the goals of its drives, in micrometres and radians, that counts as arrived in excess of the
+    /// task's precision and one error of measurement; `None` if there is no excess.
     pub fn beyond_precision(&self) -> Option<[f64; 2]> {
         let accepted = stages::drives_end_within(&self.stages)?;
         let (precision, errors) = (self.belief.order.precision, self.belief.errors);
@@ -179,14 +183,14 @@ impl<'a> Controller<'a> {
         (place_um > 0.0 || heading_rad > 0.0).then(|| [place_um.max(0.0), heading_rad.max(0.0)])
     }
 
-    /// The next command after a measurement: one pose for each robot of the order, `None` for those that were not seen, in its order. `now_ns` is
-    /// the time of the measurement on any clock that never goes back.
+    /// Returns the next command after a measurement: one pose for each robot of the order, in its order, `None` for
+    /// those that were not seen. `now_ns` is the time of the measurement on any clock that never goes back.
     pub fn observe(&mut self, measured: &[Option<Pose>], now_ns: u64) -> Command<'_> {
         self.take(measured, now_ns);
         self.last()
     }
 
-    /// The last command once more; before the first measurement the bed rests.
+    /// Returns the last command again; before the first measurement the bed rests.
     pub fn last(&self) -> Command<'_> {
         let until_ns = self.until_ns;
         match self.last {
@@ -236,7 +240,7 @@ impl<'a> Controller<'a> {
     }
 
     fn decide(&mut self, now_ns: u64) {
-        // One new way for a command that leads into something: an answer must not be late.
+        // At most one new path is searched for if a command leads into something: an answer must not be late.
         let mut has_searched = false;
         while let Some(stage) = self.stages.get_mut(self.at) {
             let held = self.drive.held;
@@ -265,7 +269,7 @@ impl<'a> Controller<'a> {
         self.last = LastCommand::Finished;
     }
 
-    /// Gives the task up, unless it is over.
+    /// Gives the task up, unless it is already over.
     pub fn stop(&mut self, reason: StopReason, robot: Option<usize>) {
         self.stop_before(reason, robot, None);
     }
@@ -276,7 +280,7 @@ impl<'a> Controller<'a> {
         }
     }
 
-    /// Duration of the segments, at least from one measurement to the next.
+    /// Duration of the segments, at least the interval between measurements.
     fn duration_ns(&self) -> u64 {
         let order = self.belief.order;
         let of = |segment: &Segment| {
@@ -287,23 +291,23 @@ impl<'a> Controller<'a> {
         whole_ns.max(self.belief.errors.replan_ns)
     }
 
-    /// Index of the order's step that is carried out.
+    /// Index of the order's step in progress.
     pub fn step(&self) -> usize {
         let stage = self.stages.get(self.at).or(self.stages.last());
         stage.map_or(0, |stage| stage.step)
     }
 
-    /// What is done at the moment.
+    /// Phase in progress.
     pub fn phase(&self) -> ControlPhase {
         self.stages.get(self.at).map_or(ControlPhase::Over, |stage| stage.stage.phase())
     }
 
-    /// The robots that it drives on purpose at the moment, at most two.
+    /// Robots that are driven on purpose at the moment, at most two.
     pub fn driven(&self) -> [Option<usize>; 2] {
         self.stages.get(self.at).map_or([None; 2], |stage| stage.stage.driven())
     }
 
-    /// Whether a robot is held for docked.
+    /// Whether a robot counts as docked.
     pub fn is_docked(&self, robot: usize) -> bool {
         self.belief.docked.get(robot).copied().unwrap_or(false)
     }

@@ -41,7 +41,7 @@ fn what_was_not_seen_is_not_acted_upon() {
     assert_eq!(lost.observe(&seen(), now_ns + INTERVAL_NS), Command::Stop(stop), "for good");
 }
 
-/// What was driven before a measurement that could not be used still counts for the next one.
+/// Segments driven before an unusable measurement still count for the next one.
 #[test]
 fn a_measurement_that_is_lost_on_the_way_does_no_harm() {
     let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
@@ -61,7 +61,8 @@ fn a_measurement_that_is_lost_on_the_way_does_no_harm() {
     }
 }
 
-/// A jump is not believed at once; if the next measurement confirms it, it is a slip, or somebody's hand where it is a long one.
+/// A jump is not believed at once. If the next measurement confirms it, it is a slip, or somebody's hand if it is a
+/// long one.
 #[test]
 fn jumps_are_confirmed_first() {
     let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
@@ -103,7 +104,8 @@ fn silence_and_a_clock_that_goes_back_stop_it() {
     assert_eq!(reason(&controller, 9), Some(StopReason::Clock));
 }
 
-/// Measures one pose of the robot after the other, as long as it is driven; the number of answers, and why it was given up.
+/// Measures one pose after the other while the robot is driven. Returns the number of answers, and why the task was
+/// given up.
 fn answers(at: impl Fn(u32, Pose) -> Pose) -> (u32, Option<Stop>) {
     let (order, motion) = single(pose(1500.0, 900.0, 30.0), turning(), errors(100));
     let mut controller = Controller::new(&order, &motion).expect("the errors are known");
@@ -126,7 +128,7 @@ fn answers(at: impl Fn(u32, Pose) -> Pose) -> (u32, Option<Stop>) {
     (40, None)
 }
 
-/// A picture that does not change is not driven by, and neither is a robot that stands.
+/// The controller gives up on a picture that does not change, and on a robot that stands still.
 #[test]
 fn a_robot_that_does_not_follow_stops_it() {
     let start = pose(1500.0, 900.0, 30.0);
@@ -145,7 +147,7 @@ fn a_robot_that_stalls_for_a_while_is_driven_on() {
     let stalled = |length: u32| {
         let last = Cell::new(pose(1500.0, 900.0, 30.0));
         answers(move |nth, driven| {
-            // It stalls in some intervals of ten.
+            // It stalls in some of every ten intervals.
             if nth % 10 > length || nth < 10 {
                 last.set(driven);
             }

@@ -1,21 +1,25 @@
 //! Proof that a robot meets an obstacle before a step can end, whatever control states are driven.
 //!
-//! The problem: every robot moves with every stroke, so a robot that merely stands by may run into an obstacle after a few strokes, whether
-//! its arm is up or down. Input: the bed, a robot's pose, and the path that it makes in the shortest time in which the step could end.
-//! Output: the obstacles that it must meet before that, or nothing, which proves nothing.
+//! Problem: every robot moves with every stroke, so a robot that merely stands by may run into an obstacle after a few
+//! strokes, whether its arm is up or down. Input: the bed, a robot's pose, and the path that it makes in the shortest
+//! time in which the step could end. Output: the obstacles that it must meet before that, or nothing, which proves
+//! nothing.
 //!
-//! Method: only the robot's own arm counts; every sequence of control states is one of its arm positions. Let p be the path that it has run
-//! straight and q the path on which it has turned. Its heading then is that of its pose and q / r. Its turning centre rests while it turns
-//! and is moved along the heading while it runs, so it has moved by a sum of vectors of lengths that add up to p and of directions between
-//! the first heading and the present one, at an angle of w = q / r: by a vector whose component along the middle of the two headings lies
-//! between p cos(w / 2) and p, and whose component across it is at most p sin(w / 2). So the poses after (p, q) lie within a known distance
-//! of one pose. The plane of p and q is cut into squares; one is closed if at its middle pose the body is nearer to an obstacle than the
-//! clearance by more than any pose of the square is off. A plan is a path in the plane to the right and up, and it is stopped by closed
-//! squares. What can be reached without entering one is searched depth first; if none of it is as far as the step needs, there is no plan.
+//! Method: only the robot's own arm counts, so a sequence of control states is a sequence of its arm positions. Let p
+//! be the path run straight so far and q the path turned. The heading then is that of its pose plus q / r. The turning
+//! centre rests while the robot turns and moves along the heading while it runs. So it has moved by a sum of vectors
+//! whose lengths add up to p and whose directions lie between the first heading and the present one, at an angle of w =
+//! q / r. The component of this sum along the bisector of the two headings lies between p cos(w / 2) and p; the
+//! component across it is at most p sin(w / 2). The poses after (p, q) therefore lie within a known distance of one
+//! pose. The plane of p and q is cut into squares. A square is closed if, at its middle pose, the body is nearer to an
+//! obstacle than the clearance by more than any pose of the square is off. A plan is a path in the plane to the right
+//! and up that enters no closed square. The squares that can be reached without entering one are searched depth first;
+//! if none is as far as the step needs, there is no plan.
 //!
-//! Promise: a proof for every schedule that the verifier accepts, since it is looser than the collision rules by `LOOSE_UM`. Not
-//! promised: that one is found where there is one; other robots are ignored, and so is room that only differs by where a robot has run
-//! straight. Cost: at most `MAX_SQUARES` squares along each axis, each with a look at all obstacles near.
+//! Promise: a proof for every schedule that the verifier accepts, since it is looser than the collision rules by
+//! `LOOSE_UM`. Not promised: that a proof is found where there is one. Other robots are ignored, and so are differences
+//! in room that depend only on where the robot has run straight. Cost: at most `MAX_SQUARES` squares along each axis,
+//! each with distances to the obstacles.
 
 use super::world::World;
 use crate::geometry::{Pose, Rounded};
@@ -23,26 +27,27 @@ use crate::real::Real;
 use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Approach below the clearance that a proof does not count: more than the verifier may leave undetected, and than rounding.
+/// Approach below the clearance that a proof does not count: larger than rounding and than what the verifier may miss.
 const LOOSE_UM: f64 = 2e-3;
 
 /// Side of a square of the plane, as a share of the turning radius.
 const SQUARE_SHARE: f64 = 0.0125;
 
-/// Most squares along one axis; a robot that comes so far is not doomed.
+/// Most squares along one axis; a robot that comes so far is not called doomed.
 const MAX_SQUARES: usize = 200;
 
 /// A robot that cannot be driven as far as a step needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DoomedRobot {
     pub robot: usize,
-    /// Indices of the obstacles that it meets, ascending; one of them on each way.
+    /// Indices of the obstacles that it meets, ascending; every path meets one of them.
     pub obstacles: Vec<usize>,
-    /// It makes no longer path than this.
+    /// Upper limit of the path that it can make.
     pub way_um: f64,
 }
 
-/// The proof that a robot cannot be driven for `needed_um` of its path from a pose, whatever its arm does; `None` if there is none.
+/// Proves that a robot cannot be driven for `needed_um` of its path from a pose, whatever its arm does; `None` if there
+/// is no such proof.
 pub fn doomed(world: &World, robot: usize, pose: Pose, needed_um: f64) -> Option<DoomedRobot> {
     let plane = ArmPlane::new(world, robot, pose);
     let mut is_seen = vec![false; MAX_SQUARES * MAX_SQUARES];
@@ -101,7 +106,7 @@ impl<'a> ArmPlane<'a> {
         let along_um = [if cos > 0.0 { from_um * cos } else { to_um * cos }, to_um];
         let across_um = to_um * half_rad.min(FRAC_PI_2).sine();
         let off_um = ((along_um[1] - along_um[0]) / 2.0).hypotenuse(across_um);
-        // All points of the body turn about its turning centre, none farther from it than this.
+        // All points of the body turn about the turning centre; none is farther from it than `reach_um`.
         let swing_um = self.world.body(self.robot).reach_um * self.side_um / radius_um / 2.0;
         let body =
             self.world.rectangle(self.robot, self.middle((along_um[0] + along_um[1]) / 2.0, half_rad, turned_um));
@@ -109,7 +114,8 @@ impl<'a> ArmPlane<'a> {
         self.obstacles.iter().position(|obstacle| body.to_rounded_um(obstacle) < near_um)
     }
 
-    /// The pose whose turning centre has moved so far along a direction, after half a square more than a turn.
+    /// Pose whose turning centre has moved by `along_um` along the bisector, after a turn of half a square more than
+    /// `turned_um`.
     fn middle(&self, along_um: f64, half_rad: f64, turned_um: f64) -> Pose {
         let (sin, cos) = (self.heading_rad + self.curve_um.signum() * half_rad).sine_cosine();
         let centre_um = [self.centre_um[0] + along_um * cos, self.centre_um[1] + along_um * sin];

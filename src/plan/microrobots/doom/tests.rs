@@ -1,4 +1,4 @@
-//! Doomed robots against all sequences of arm positions on a coarse clock, with a motion and a distance of their own.
+//! Doomed robots compared with all sequences of arm positions on a coarse clock, by independent motion and distances.
 
 use super::*;
 use crate::device::microrobots::Turning;
@@ -31,7 +31,7 @@ impl Trap {
         doomed(&World::new(&order), 0, self.start, needed_um)
     }
 
-    /// Whether a body there keeps the clearance: distances of discs in its own frame.
+    /// Whether a body at a pose keeps the clearance, by distances of discs in its own frame.
     fn is_free(&self, [x, y, heading]: [f64; 3]) -> bool {
         self.discs.iter().all(|([disc_x, disc_y], radius_um)| {
             let (dx, dy, sin, cos) = (disc_x - x, disc_y - y, heading.sin(), heading.cos());
@@ -49,7 +49,7 @@ impl Trap {
         [x + curve_um * (later.sin() - heading.sin()), y - curve_um * (later.cos() - heading.cos()), later]
     }
 
-    /// Whether some sequence of so many pieces, each with the arm up or down, keeps free at their ends.
+    /// Whether some sequence of `pieces` pieces, each with the arm up or down, is free at the end of every piece.
     fn survives(&self, place: [f64; 3], pieces: u32, piece_um: f64) -> bool {
         let goes_on = |is_down: &bool| {
             let next = self.gone(place, piece_um, *is_down);

@@ -17,7 +17,7 @@ pub(super) struct TrainChoice<'a> {
     /// Number of legs that existed before.
     before: usize,
     legs: Vec<Leg>,
-    /// Candidate states for each position of the robot's arm, those first in which the fewest other robots run.
+    /// Candidate states with the robot's arm down, and with it up; those first in which the fewest other robots run.
     down: Vec<usize>,
     up: Vec<usize>,
     left: u32,
@@ -47,9 +47,9 @@ impl<'a> TrainChoice<'a> {
         }
     }
 
-    /// The legs followed by those of the trains, or the collision that happens latest.
+    /// Returns the legs followed by those of the trains, or the collision that happens latest.
     ///
-    /// Iterative depth-first search: for each leg, the index of its next state.
+    /// Iterative depth-first search: `tried` holds, for each leg, the index of its next state.
     pub(super) fn run(mut self, meter: &mut Meter) -> Result<Vec<Leg>, StuckReason> {
         let mut tried: Vec<usize> = vec![0];
         while let Some(next) = tried.last_mut() {

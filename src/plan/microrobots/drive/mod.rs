@@ -1,18 +1,19 @@
 //! Drives one robot through its stops, while all others move along with every stroke.
 //!
-//! Input: the bed, the robot, the stops. Output: legs of the whole bed under which the robot reaches every stop at the end of a leg
-//! without a forbidden collision; or why none were found.
+//! Input: the bed, the robot, the stops. Output: legs of the whole bed under which the robot reaches every stop at the
+//! end of a leg without a forbidden collision; or why none were found.
 //!
-//! Method: first one or two trains of strokes that end within the precision, where they cost less than the path to the stop itself;
-//! then the path of the driven robot alone (`ways`), in whole strokes (`strokes`). Any control state with its arm in the
-//! position that a leg needs can drive this leg; states are tried leg by leg, depth first, those first in which the fewest other
-//! robots run, since robots that turn stay in place (`choice`). If no choice is free of collisions, the collision partner becomes
-//! an obstacle of the driven robot: the body of a robot where they met, or the disc of one that orbits; and the path is searched
-//! again.
+//! Method: first one or two trains of strokes that end within the precision, where they cost less than the path to the
+//! stop itself; then the path of the driven robot alone (`ways`), in whole strokes (`strokes`). Any control state with
+//! its arm in the position that a leg needs can drive this leg; states are tried leg by leg, depth first, those first
+//! in which the fewest other robots run, since robots that turn stay in place (`choice`). If no choice is free of
+//! collisions, the collision partner becomes an obstacle of the driven robot: the body of a robot where they met, or
+//! the disc of one that orbits; and the path is searched again.
 //!
-//! Promise: the legs are free of collisions by `World::first_hit`, and the stops are met within the precision. Not promised: that
-//! legs are found where there are some, or the fewest strokes: but for those short drives the stops themselves are targeted, and
-//! drives that save strokes by stopping short within the precision are not searched. For lower bounds see `bound`.
+//! Promise: the legs are free of collisions by `World::first_hit`, and the stops are met within the precision. Not
+//! promised: that legs are found where there are some, nor the fewest strokes. Apart from those short drives the stops
+//! themselves are targeted; drives that save strokes by stopping short within the precision are not searched. For lower
+//! bounds see `bound`.
 
 mod choice;
 
@@ -52,13 +53,14 @@ impl Drive<'_> {
 /// A successful drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Driven {
-    /// Neighbours differ in their states, unless a stop lies between them. Empty if the robot is at its goal already.
+    /// Consecutive legs differ in their states, unless a stop lies between them. Empty if the robot is at its goal
+    /// already.
     pub legs: Vec<Leg>,
     /// Number of legs after which each stop is met; ascending.
     pub met: Vec<usize>,
     pub strokes: u64,
-    /// Strokes of the shortest path to the stops themselves, without obstacles. Drives that stop short within the precision may
-    /// have fewer.
+    /// Strokes of the shortest path to the stops themselves, without obstacles. Drives that stop short within the
+    /// precision may have fewer.
     pub exact_strokes: u64,
     /// Whether it has at most `exact_strokes` plus one per leg.
     pub direct: bool,
@@ -74,7 +76,7 @@ pub struct StuckDrive {
     pub reason: StuckReason,
     /// Steps of the budget spent.
     pub spent: u64,
-    /// Number of paths tried with every choice of control states.
+    /// Number of paths for which control states were tried.
     pub ways: usize,
 }
 
@@ -94,11 +96,11 @@ pub enum Thing {
 pub enum StuckReason {
     /// A proof: the robot is docked.
     Docked,
-    /// A proof if every plan has the robot here before this stop: it must turn, and no control state lowers its arm while keeping
-    /// those of docked robots up.
+    /// A proof if every plan has the robot here before this stop: it must turn, and no control state lowers its arm
+    /// while keeping those of docked robots up.
     NeverTurns,
-    /// A proof if every plan has the robot here before this stop: it must run straight, and no control state raises its arm while
-    /// keeping those of docked robots up.
+    /// A proof if every plan has the robot here before this stop: it must run straight, and no control state raises its
+    /// arm while keeping those of docked robots up.
     NeverRuns,
     /// A proof if every plan has the robot here before this stop: at its current pose it is too near to this to move.
     Start(Thing),
@@ -112,7 +114,8 @@ pub enum StuckReason {
     TooFine,
     /// The budget ran out during the choice of control states. No proof.
     OutOfBudget,
-    /// It has a path, but every choice of control states that was tried causes a collision; this is the latest one. No proof.
+    /// It has a path, but every choice of control states that was tried causes a collision; this is the latest one. No
+    /// proof.
     Meets(FirstMeeting),
 }
 
@@ -162,7 +165,7 @@ impl DriveProgress<'_> {
         poses[self.request.robot]
     }
 
-    /// Adds the legs to a stop.
+    /// Adds the legs up to a stop.
     fn reach(&mut self, goal: Pose) -> Result<(), StuckReason> {
         let Drive { order, world, bed, robot, .. } = *self.request;
         let from = self.pose();
@@ -179,7 +182,7 @@ impl DriveProgress<'_> {
             self.legs = self.reach_exactly(from, goal, around)?;
             return Ok(());
         };
-        // Around obstacles the stop itself is further.
+        // Around obstacles the path to the stop itself is longer, so the short drive is kept.
         let is_clear = exact.direct().is_ok();
         let exact = if is_clear { self.reach_exactly(from, goal, around).ok() } else { None };
         let cost = |legs: &[Leg]| legs_cost(order, legs);
@@ -187,7 +190,7 @@ impl DriveProgress<'_> {
         Ok(())
     }
 
-    /// The legs so far and those to a stop itself, around these things and what it meets besides.
+    /// The legs so far and those to a stop itself, around the given things and the collision partners found on the way.
     fn reach_exactly(&mut self, from: Pose, goal: Pose, mut around: Around) -> Result<Vec<Leg>, StuckReason> {
         let Drive { order, world, robot, .. } = *self.request;
         let mut last = None;
@@ -212,7 +215,7 @@ impl DriveProgress<'_> {
         self.other_word(from, goal, last)
     }
 
-    /// The legs so far and the best ones of one or two trains that end within the precision of a stop.
+    /// The legs so far and the best one or two trains that end within the precision of a stop.
     fn stop_short(&mut self, exact: DriveTask) -> Option<Vec<Leg>> {
         let Drive { order, world, robot, .. } = *self.request;
         let facts = &world.body(robot).robot;
@@ -222,7 +225,8 @@ impl DriveProgress<'_> {
             if world.obstruction_on(robot, exact.from, &way, exact.fixtures).is_some() {
                 continue;
             }
-            // Where the states run out there are none for the stop itself either, which says why.
+            // An error is dropped: control states that are lacking here also are for the stop itself, and that drive
+            // reports why.
             let Ok(legs) = self.choose(&trains) else { continue };
             if best.as_ref().is_none_or(|best| legs_cost(order, &legs) < legs_cost(order, best)) {
                 best = Some(legs);
@@ -231,8 +235,8 @@ impl DriveProgress<'_> {
         best
     }
 
-    /// A path of the robot alone. Unless the free optimum is clear, it leaves room for rounding to whole strokes where there is
-    /// room.
+    /// Path of the robot alone. Unless the free optimum is clear, it leaves room for rounding to whole strokes where it
+    /// can.
     fn find(&mut self, from: Pose, to: Pose, around: &Around) -> Result<Vec<ArmSegment>, StuckReason> {
         let Drive { order, world, robot, .. } = *self.request;
         let exact = DriveTask { world, robot, from, to, fixtures: &around.fixtures };
@@ -248,7 +252,7 @@ impl DriveProgress<'_> {
         found.map(|found| found.way).map_err(|no_way| around.reason(no_way))
     }
 
-    /// The other free path, under which the others move differently.
+    /// Legs along the other free path, on which the other robots move differently.
     fn other_word(&mut self, from: Pose, goal: Pose, last: Option<FirstMeeting>) -> Result<Vec<Leg>, StuckReason> {
         let Drive { order, world, bed, robot, .. } = *self.request;
         let around = Around::docked(world, bed, robot);
@@ -272,7 +276,7 @@ impl DriveProgress<'_> {
         let Drive { order, world, robot, .. } = *self.request;
         let has = |arm: Arm| self.request.states().any(|state| world.arm(state, robot) == arm);
         let facts = &world.body(robot).robot;
-        // Without a turn the heading is constant, and without a run the turning centre is.
+        // Without a turn the heading stays the same; without a run the turning centre does.
         let Precision { place_um, heading_rad } = order.precision;
         let turn_rad = free::turn_rad(facts, from.heading_rad, goal.heading_rad);
         let (sin, cos) = from.heading_rad.sine_cosine();
@@ -311,7 +315,7 @@ impl DriveProgress<'_> {
 /// Rounding allowance of a number of strokes.
 const ROUNDING: f64 = 1e-3;
 
-/// Bodies and discs at rest, or assumed to be, and their robots.
+/// Bodies and discs at rest, or assumed to be, with their robots.
 struct Around {
     fixtures: Fixtures,
     /// Robots of the fixtures' bodies and discs.
@@ -344,7 +348,8 @@ impl Around {
         }
     }
 
-    /// Adds the collision partner as an obstacle; `false` if the driven robot did not collide, or the obstacle exists already.
+    /// Adds the collision partner as an obstacle; `false` if the driven robot did not collide, or the obstacle exists
+    /// already.
     fn add(&mut self, request: &Drive, legs: &[Leg], hit: FirstMeeting) -> bool {
         let Drive { world, bed, robot, .. } = *request;
         let (other, with) = match hit.meeting {

@@ -1,9 +1,9 @@
 //! Interpolated turning: the fine motion over the last stretch to the goals.
 //!
-//! Input: the length of the last stretch and the robots' steps. Output: cycles of whole strokes, applied forwards or backwards. Promise:
-//! whole cycles are exact in both directions up to the rounding of `f64`. Source: the paper's section 3.1, with the shares of its
-//! two-primitive radius exchanged, and the robot's index in its third equation corrected: an arm that is down for a share ρ of the
-//! path bends it to the radius r / ρ.
+//! Input: the length of the last stretch and the robots' steps. Output: cycles of whole strokes, applied forwards or
+//! backwards. Promise: whole cycles are exact in both directions up to the rounding of `f64`. Source: the paper's
+//! section 3.1, with the shares of its two-primitive radius exchanged, and the robot's index in its third equation
+//! corrected: an arm that is down for a share ρ of the path bends it to the radius r / ρ.
 
 use super::Leg;
 use crate::device::microrobots::{Arm, Fine, Robot};
@@ -43,7 +43,7 @@ impl<const K: usize> Cycles<K> {
         (0..self.count).fold(goal, |pose, _| arms.into_iter().zip(self.strokes).rev().fold(pose, go))
     }
 
-    /// As legs in the states of the primitives; a primitive without strokes has none.
+    /// The cycles as legs in the states of the primitives; a primitive without strokes has no leg.
     pub fn legs(&self, states: [usize; K]) -> impl Iterator<Item = Leg> + '_ {
         let cycle = move |_| states.into_iter().zip(self.strokes).map(|(state, strokes)| Leg { state, strokes });
         (0..self.count).flat_map(cycle).filter(|leg| leg.strokes > 0)

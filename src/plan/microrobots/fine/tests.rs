@@ -51,8 +51,8 @@ fn cycles_go_back_as_they_went() {
     assert_eq!(legs[2].state, 1);
 }
 
-/// However short the fine motion and its cycles are, each primitive occurs at least once, and no cycle exceeds its limit of
-/// strokes.
+/// However short the fine motion and its cycles are, each primitive occurs at least once, and no cycle exceeds its
+/// limit of strokes.
 #[test]
 fn short_fine_motions_still_end_straight() {
     for (length_um, cycle_um) in [(0.005, 0.001), (0.02, 0.02), (0.1, 0.03), (5.0, 10.0)] {

@@ -1,28 +1,29 @@
 //! The shortest path of one robot between two poses without obstacles (a one-sided Dubins path).
 //!
-//! The problem: a robot runs straight (arm up) or turns to one side, always the same, on a circle of radius r (arm down).
+//! Problem: a robot runs straight (arm up) or turns to one side, always the same, on a circle of radius r (arm down).
 //!
-//! Method: consider the centre of its turning circle. While the robot turns, the centre rests; while it runs straight, the centre
-//! moves along the heading. So a path is a polyline from the first centre c0 to the last one c1; its edges are run with the heading
-//! at that time, the turns happen at its corners, and it costs its length + r × the total turning angle T. Headings only change in
-//! one sense, so T = T0 + 2πk, where T0 in [0, 2π) is the angle from the first heading to the last one. Let d = c1 − c0.
+//! Method: consider the centre of its turning circle. While the robot turns, the centre rests; while it runs straight,
+//! the centre moves along the heading. So a path is a polyline from the first centre c0 to the last one c1; its edges
+//! are run with the heading at that time, the turns happen at its corners, and it costs its length + r × the total
+//! turning angle T. Headings only change in one sense, so T = T0 + 2πk, where T0 in [0, 2π) is the angle from the first
+//! heading to the last one. Let d = c1 − c0.
 //!
-//! For given T the edges express d as a sum of vectors whose directions lie in the arc of headings that the turn sweeps, and every
-//! order of headings along the arc is a path. The least sum of lengths is the gauge of d with respect to the convex hull of that
-//! arc of the unit circle and the origin:
+//! For given T the edges express d as a sum of vectors whose directions lie in the arc of headings that the turn
+//! sweeps, and every order of headings along the arc is a path. The least sum of lengths is the gauge of d with respect
+//! to the convex hull of that arc of the unit circle and the origin:
 //! - d points into the arc: |d| by one edge, which is least, since no sum is below |d|. That is turn–straight–turn.
-//! - d points beside the arc, and T0 > π: the hull is bounded there by the chord between the first and the last heading, and the
-//!   least sum uses these two only. That is straight–turn–straight.
-//! - d points beside the arc, and T0 ≤ π: d is no such sum. (At T0 = π the arc is a closed half-circle, and d points to its other
-//!   side.)
+//! - d points beside the arc, and T0 > π: the hull is bounded there by the chord between the first and the last
+//!   heading, and the least sum uses these two only. That is straight–turn–straight.
+//! - d points beside the arc, and T0 ≤ π: d is no such sum. (At T0 = π the arc is a closed half-circle, and d points to
+//!   its other side.)
 //! - k ≥ 1: the arc is the whole circle, |d| by one edge; k = 1 is the cheapest of these.
 //!
-//! So the optimum is turn–straight–turn with T = T0 if d points into the arc, and otherwise the better of straight–turn–straight
-//! with T0 (if T0 > π) and turn–straight–turn with T0 + 2π. Shorter words are these with zeros in them. Everything has a closed
-//! form.
+//! So the optimum is turn–straight–turn with T = T0 if d points into the arc, and otherwise the better of
+//! straight–turn–straight with T0 (if T0 > π) and turn–straight–turn with T0 + 2π. Shorter words are these with zeros
+//! in them. Everything has a closed form.
 //!
-//! Promise: the path ends at the goal up to [`SLACK_UM`] and [`SLACK_RAD`]. Without these slacks, rounding could cost a full circle
-//! for a goal exactly ahead.
+//! Promise: the path ends at the goal up to [`SLACK_UM`] and [`SLACK_RAD`]. Without these slacks, rounding could cost a
+//! full circle for a goal exactly ahead.
 
 use crate::claims::microrobots::Precision;
 use crate::device::microrobots::{Arm, Robot};
@@ -30,7 +31,7 @@ use crate::geometry::Pose;
 use crate::real::Real;
 use std::f64::consts::{PI, TAU};
 
-/// Lateral miss of the goal that is allowed to save a turn.
+/// Lateral miss of the goal that is tolerated to save a turn.
 pub const SLACK_UM: f64 = 1e-6;
 
 /// The same for headings.
@@ -57,7 +58,7 @@ impl DubinsWord {
         self.runs_um[0] + self.runs_um[1] + radius_um * (self.turns_rad[0] + self.turns_rad[1] + self.turns_rad[2])
     }
 
-    /// The segments that are not empty, neighbours with the same arm merged.
+    /// The segments that are not empty; adjacent ones with the same arm position are merged.
     pub fn segments(&self, radius_um: f64) -> Vec<ArmSegment> {
         let turn = |index: usize| ArmSegment { arm: Arm::Down, way_um: radius_um * self.turns_rad[index] };
         let run = |index: usize| ArmSegment { arm: Arm::Up, way_um: self.runs_um[index] };
@@ -65,7 +66,7 @@ impl DubinsWord {
     }
 }
 
-/// The same path without empty segments, neighbours with the same arm merged.
+/// The same path without empty segments; adjacent ones with the same arm position are merged.
 pub fn joined(segments: impl IntoIterator<Item = ArmSegment>) -> Vec<ArmSegment> {
     let mut kept: Vec<ArmSegment> = Vec::new();
     for segment in segments.into_iter().filter(|segment| segment.way_um > 0.0) {
@@ -96,8 +97,8 @@ fn best(robot: &Robot, from: Pose, to: Pose) -> DubinsWord {
     words(robot, from, to)[0]
 }
 
-/// The paths without a needless edge, the shortest first: turn–straight–turn, and straight–turn–straight if it exists. Otherwise
-/// both are equal.
+/// The paths without a needless edge, the shortest first: turn–straight–turn, and straight–turn–straight. If the latter
+/// does not exist, both entries are the former.
 pub fn words(robot: &Robot, from: Pose, to: Pose) -> [DubinsWord; 2] {
     let journey = MirroredJourney::new(robot, from, to);
     let one = journey.turn_run_turn();
@@ -166,29 +167,29 @@ impl MirroredJourney {
     }
 }
 
-/// What every path from a pose within a slack of one to a pose within a slack of another has at least.
+/// Lower bounds on every path from a pose within a slack of one pose to a pose within a slack of another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeastWays {
-    /// Least and greatest turn without a full circle, in micrometres of the path; every path turns by an amount between them, or by whole
-    /// circles more. The least may be below 0: then there is a path that turns by nearly nothing.
+    /// Least and greatest turn without a full circle, in micrometres of path; every path turns by an amount between
+    /// them, plus whole circles. The least may be negative: then there is a path that turns by nearly nothing.
     pub turn_um: [f64; 2],
     /// Path length of one full circle.
     pub circle_um: f64,
-    /// Least straight travel of a path without a full circle more; infinite if there is none.
+    /// Least straight travel of a path without an additional full circle; infinite if there is none.
     pub direct_um: f64,
     /// Least straight travel of any path.
     pub run_um: f64,
 }
 
 impl LeastWays {
-    /// Least length of a path that turns by this many full circles more than it needs; infinite if there is none.
+    /// Least length of a path that turns by this many additional full circles; infinite if there is none.
     pub fn length_um(&self, circles: u64) -> f64 {
         let run_um = if circles == 0 { self.direct_um } else { self.run_um };
         run_um + (self.turn_um[0] + self.circle_um * circles as f64).max(0.0)
     }
 }
 
-/// A pose, and how far from it a robot may be.
+/// A pose with its tolerance.
 #[derive(Debug, Clone, Copy)]
 pub struct PoseWithin {
     pub pose: Pose,
@@ -201,8 +202,8 @@ pub fn least_um(robot: &Robot, from: PoseWithin, to: PoseWithin) -> f64 {
     ways.length_um(0).min(ways.length_um(1))
 }
 
-/// The optimum of the module's documentation with every quantity at its cheapest within the slacks: each centre lies within place +
-/// r × heading of the pose's own, and the frame of the first heading may be rotated by its slack.
+/// The optimum of the module's documentation with every quantity at its cheapest within the slacks: each centre lies
+/// within place + r × heading of the pose's own, and the frame of the first heading may be rotated by its slack.
 pub fn least_ways(robot: &Robot, from: PoseWithin, to: PoseWithin) -> LeastWays {
     let (journey, before, after) = (MirroredJourney::new(robot, from.pose, to.pose), from.slack, to.slack);
     let off_rad = before.heading_rad + after.heading_rad + SLACK_RAD;
@@ -220,7 +221,7 @@ pub fn least_ways(robot: &Robot, from: PoseWithin, to: PoseWithin) -> LeastWays 
 }
 
 impl MirroredJourney {
-    /// Least straight travel without a full circle more.
+    /// Least straight travel without an additional full circle.
     fn direct_um(&self, before: Precision, off_rad: f64, off_um: f64, run_um: f64) -> f64 {
         if run_um == 0.0 {
             return run_um;
@@ -236,8 +237,9 @@ impl MirroredJourney {
         }
     }
 
-    /// Least sum of two edges along the first and the last heading, up to `off_um`, in a frame that may be rotated. The chord's
-    /// normal bisects the gap between the two headings, and the sum is the component of d along it / the cosine of half the gap.
+    /// Least sum of two edges along the first and the last heading, up to `off_um`, in a frame that may be rotated. The
+    /// chord's normal bisects the gap between the two headings, and the sum is the component of d along it / the cosine
+    /// of half the gap.
     fn chord_um(&self, off_um: f64, off_rad: f64, tilt_rad: f64) -> f64 {
         let middle_rad = (self.turn_rad + TAU) / 2.0;
         let (sin, cos) = middle_rad.sine_cosine();

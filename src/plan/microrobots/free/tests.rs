@@ -21,7 +21,8 @@ fn off(a: Pose, b: Pose) -> (f64, f64) {
     ((a.x_um - b.x_um).hypot(a.y_um - b.y_um), turn_rad.min(TAU - turn_rad))
 }
 
-/// The least length over directions in steps of `1/PARTS` of the arc, for k = 0 and 1: a least sum needs two directions at most.
+/// The least length over directions in steps of `1/PARTS` of the arc, for k = 0 and 1: a least sum needs two directions
+/// at most.
 fn brute_um(robot: &Robot, from: Pose, to: Pose) -> f64 {
     const PARTS: usize = 240;
     let sign = robot.turning.sign();

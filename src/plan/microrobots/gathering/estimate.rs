@@ -1,9 +1,11 @@
-//! Estimate of an assembly from given poses: the strokes of its stages one after the other, and strokes for too little room.
+//! Estimate of an assembly from given poses: strokes of its stages one after the other, and penalties for too little
+//! room.
 //!
-//! Each robot makes its way from its turning circle straight to that of its approach; a robot that has waited begins with half a circle
-//! in the mean. Room is lacking where the disc of a waiting robot, an obstacle or the way of a steered robot are too near to each other. A
-//! strip as wide as the steered robot's orbit disc is wanted clear along its way, since a robot with errors drives circles there;
-//! a strip as wide as its body must be. No claim rests on the estimate: plans are checked against the collision rules.
+//! Each robot makes its way from its turning circle straight to that of its approach; a robot that has waited begins
+//! with half a circle on average. Room is lacking where the disc of a waiting robot, an obstacle or the path of a
+//! steered robot are too near to each other. A strip as wide as the steered robot's orbit disc should be clear along
+//! its path, since a robot with errors drives circles there; a strip as wide as its body must be clear. No claim rests
+//! on the estimate: plans are checked against the collision rules.
 
 use crate::claims::microrobots::{Dock, MicrorobotsOrder};
 use crate::device::microrobots::{Arm, Robot};
@@ -19,14 +21,14 @@ use std::f64::consts::PI;
 /// Room that is wanted beside the strip of a steered robot, as a share of its turning radius.
 const WANTED_SHARE: f64 = 0.3;
 
-/// Path that a micrometre of lacking room is worth: where it is wanted, and where it must be.
+/// Path that a micrometre of lacking room is worth: where room is wanted, and where it is required.
 const WANTED: f64 = 2.0;
 const REQUIRED: f64 = 20.0;
 
 /// Most micrometres of lacking room that count in one place.
 const MOST_LACKING_UM: f64 = 600.0;
 
-/// A point or the middle of a turn.
+/// A point, or the centre of a turn.
 type Point = [f64; 2];
 
 /// Estimate for the robots and goals of one assembly.
@@ -37,7 +39,7 @@ pub struct AssemblyEstimate {
     /// In order of docking; the first two together if `has_pair`.
     seats: Vec<Seat>,
     has_pair: bool,
-    /// Robots that are neither docked nor to dock, and go round all the time.
+    /// Robots that are neither docked nor to dock, and orbit all the time.
     idle: Vec<usize>,
     world: World,
     /// Outline axes and half widths of docked bodies.
@@ -50,17 +52,17 @@ pub struct AssemblyEstimate {
 #[derive(Debug, Clone)]
 pub struct Seat {
     pub robot: usize,
-    /// Pose at the start of its fine motion, and the middle of its turn there.
+    /// Pose at the start of its fine motion, and the centre of its turn there.
     approach: Pose,
     centre_um: Point,
-    /// The axis of its body from the approach to the goal.
+    /// From the back of its body at the approach to the front at the goal.
     lane: [Point2<f64>; 2],
     /// The axis of its body at the goal.
     axis: [Point2<f64>; 2],
 }
 
 impl AssemblyEstimate {
-    /// `None` if no robot is left to dock.
+    /// Estimate for an order; `None` if no robot is left to dock.
     pub fn new(order: &MicrorobotsOrder, world: &World, bed: &BedPoses, docks: &[Dock]) -> Option<Self> {
         let downs =
             |robot: usize| (0..world.state_count()).filter(|state| world.arm(*state, robot) == Arm::Down).count();
@@ -86,7 +88,7 @@ impl AssemblyEstimate {
         })
     }
 
-    /// Strokes of the assembly from these poses, with those for lacking room.
+    /// Estimated strokes of the assembly from these poses, penalties included.
     pub fn strokes(&self, poses: &[Pose]) -> f64 {
         let centres: Vec<Point> =
             self.robots.iter().zip(poses).map(|(robot, pose)| robot.orbit_centre_um(*pose)).collect();
@@ -104,7 +106,7 @@ impl AssemblyEstimate {
         self.robots[robot].step_um
     }
 
-    /// Way from a circle to that of the approach, and the turn there.
+    /// Path from a turning circle to that of the approach, and the turn there.
     fn way_um(&self, seat: &Seat, centre_um: Point) -> f64 {
         let [dx, dy] = [0, 1].map(|axis| seat.centre_um[axis] - centre_um[axis]);
         let robot = &self.robots[seat.robot];
@@ -117,7 +119,8 @@ impl AssemblyEstimate {
         (half_um + self.way_um(seat, centre_um)) / self.stroke_um(seat.robot)
     }
 
-    /// The first robot's way to where it waits for the second one's way, and that way.
+    /// Strokes of the first two robots: the first one's path to where it begins to run straight, then the second one's
+    /// path.
     fn pair(&self, poses: &[Pose], centres: &[Point]) -> f64 {
         let [first, second] = [&self.seats[0], &self.seats[1]];
         let robots = [first, second].map(|seat| &self.robots[seat.robot]);
@@ -140,8 +143,8 @@ impl AssemblyEstimate {
         before + later + half + lacking
     }
 
-    /// Strokes for lacking room along a steered robot's way, while those that dock later and the idle ones wait; `docked` seats are
-    /// taken.
+    /// Penalty in strokes for lacking room along a steered robot's path, while idle robots and those of the seats from
+    /// `later` on wait; the first `docked` seats are taken.
     fn lacking(&self, later: usize, seat: &Seat, way: &[Point; 2], centres: &[Point], docked: usize) -> f64 {
         let waiting = self.seats[later..].iter().map(|seat| seat.robot).chain(self.idle.iter().copied());
         let mut strokes: f64 = waiting.map(|robot| self.beside(seat, way, robot, centres[robot])).sum();
@@ -160,7 +163,7 @@ impl AssemblyEstimate {
         strokes
     }
 
-    /// The same for one waiting robot: beside the way, and beside the last stretch before the goal.
+    /// The same for one waiting robot: beside the path, and beside the last stretch before the goal.
     fn beside(&self, seat: &Seat, way: &[Point; 2], robot: usize, [x, y]: Point) -> f64 {
         let (at, disc_um) = (Point2::new(x, y), self.reach_um[robot] + self.orbit_keep_um);
         let [reach_um, half_um] = [self.reach_um[seat.robot], self.robots[seat.robot].width_um / 2.0];
@@ -171,12 +174,12 @@ impl AssemblyEstimate {
             + self.charge(seat.robot, gap_um.min(lane_um + half_um) - half_um, REQUIRED)
     }
 
-    /// Strokes for a gap below 0.
+    /// Penalty in strokes for a gap below 0.
     fn charge(&self, robot: usize, gap_um: f64, weight: f64) -> f64 {
         (-gap_um).clamp(0.0, MOST_LACKING_UM) * weight / self.stroke_um(robot)
     }
 
-    /// Strokes for orbits of waiting robots that are too near to each other, to obstacles and to docked bodies.
+    /// Penalty for orbits of waiting robots that are too near to each other, to obstacles and to docked bodies.
     fn orbits(&self, centres: &[Point]) -> f64 {
         let waits = |seat: &Seat| seat.robot;
         let first = usize::from(self.has_pair);
@@ -201,7 +204,7 @@ impl AssemblyEstimate {
     }
 }
 
-/// The seat of the dock at this place of the order.
+/// Seat of a dock, which is number `at` in the docking order.
 fn seat(order: &MicrorobotsOrder, open: &[&Dock], at: usize, is_paired: bool, dock: &Dock) -> Seat {
     let (robot, goal, fine) = (order.robot(dock.robot), dock.goal.pose, &order.facts.fine);
     let approach = if is_paired {
@@ -224,7 +227,7 @@ fn axis(robot: &Robot, pose: Pose) -> [Point2<f64>; 2] {
     [-half_um, half_um].map(|way_um| Point2::new(pose.x_um + way_um * cos, pose.y_um + way_um * sin))
 }
 
-/// Distance between two segments that do not cross; less than half of a crossing one's length otherwise.
+/// Distance between two segments; where they cross, the least distance of an end of one from the other.
 fn apart_um(one: [Point2<f64>; 2], other: [Point2<f64>; 2]) -> f64 {
     let to = |points: [Point2<f64>; 2], segment| points.map(|point| point_segment(point, segment));
     to(one, other).into_iter().chain(to(other, one)).fold(f64::INFINITY, f64::min)

@@ -1,11 +1,13 @@
-//! First legs of an assembly: the whole bed moves, so that every robot begins near its place, and waits where it is in nobody's way.
+//! Initial legs of an assembly: the whole bed moves so that every robot begins near its place and waits out of the way.
 //!
-//! The problem: every robot moves with every stroke. After the first legs robots are steered one after the other while the rest go round
-//! where they are; whatever way all of them make at the same time before is saved, and where they then wait decides whether others get
-//! by. Method: descents over short sequences of control states and strokes, each from another beginning and with its own random numbers;
-//! a change is kept if it improves the estimate of the whole assembly (`estimate`) and the legs meet nothing. Guaranteed: the legs keep
-//! the collision rules, neighbours have different states, and the same request gives the same legs. Not guaranteed: that the estimate is
-//! met, or that an assembly is found after them. Cost: `ROUNDS` estimates for each descent.
+//! Problem: every robot moves with every stroke. After the initial legs, robots are steered one after the other while
+//! the rest orbit where they are. Any path that all of them make at the same time before is saved, and where they then
+//! wait decides whether others get past. Method: threshold accepting. Each descent changes a short sequence of control
+//! states and strokes, from another beginning and with its own random numbers; a change is kept if it does not worsen
+//! the estimate of the whole assembly (`estimate`) by more than a shrinking random threshold, and the legs meet
+//! nothing. Guaranteed: the legs keep the collision rules, consecutive legs have different states, and the same request
+//! gives the same legs. Not guaranteed: that the estimate is met, or that an assembly is found after them. Cost:
+//! `ROUNDS` estimates for each descent.
 
 mod estimate;
 
@@ -23,10 +25,10 @@ const MAX_LEGS: usize = 14;
 /// Changes tried in one descent.
 const ROUNDS: usize = 16_000;
 
-/// Most legs with which a descent begins; the first descent begins with none.
+/// Most legs with which a descent begins; every fourth descent, from the first on, begins with none.
 const FIRST_LEGS: usize = 4;
 
-/// Path by which a change may make the estimate worse, at most and at the beginning.
+/// Upper limit, at the beginning, of the path by which a change may worsen the estimate.
 const HEAT_UM: f64 = 400.0;
 
 /// Largest change of a leg, in micrometres, the factor from one scale to the next, and the number of scales.
@@ -34,10 +36,10 @@ const CHANGE_UM: f64 = 1_600.0;
 const SCALE_SHARE: f64 = 0.3;
 const SCALES: usize = 4;
 
-/// Legs with fewer strokes are left out, in micrometres.
+/// Legs shorter than this are left out, in micrometres.
 const SHORTEST_UM: f64 = 2.0;
 
-/// Search for first legs.
+/// Search for the initial legs of an assembly.
 pub struct Gathering<'a> {
     order: &'a MicrorobotsOrder,
     world: &'a World,
@@ -49,7 +51,7 @@ pub struct Gathering<'a> {
     step_um: f64,
 }
 
-/// Legs under construction, and what the assembly costs after them, in strokes.
+/// Candidate legs, and the cost of them and of the assembly after them, in strokes.
 #[derive(Debug, Clone)]
 struct Draft {
     legs: Vec<Leg>,
@@ -57,8 +59,8 @@ struct Draft {
 }
 
 impl<'a> Gathering<'a> {
-    /// A search for robots with these goals; `roomy` is the order with the clearances that the assembly after the first legs is to keep.
-    /// `None` if there is nothing to move.
+    /// Search for robots with these goals; `roomy` is the order with the clearances that the assembly keeps after the
+    /// initial legs. `None` if there is nothing to move.
     pub fn new(
         order: &'a MicrorobotsOrder,
         roomy: &MicrorobotsOrder,
@@ -73,7 +75,7 @@ impl<'a> Gathering<'a> {
         (step_um > 0.0 && !states.is_empty()).then_some(Gathering { order, world, bed, estimate, states, step_um })
     }
 
-    /// The first legs of one descent; `None` if none are better than others.
+    /// Runs one descent and returns its best initial legs; `None` if it is best to have none.
     pub fn descend(&self, seed: u64) -> Option<Departure> {
         let mut random = SplitMix64::stream(seed, self.states.len() as u64);
         let mut now = self.beginning(seed, &mut random);
@@ -97,7 +99,7 @@ impl<'a> Gathering<'a> {
         self.departure(best.legs)
     }
 
-    /// First legs like these, changed a little.
+    /// Changes initial legs by one random change; `None` if they stay the same, meet something or become empty.
     pub fn varied(&self, departure: &Departure, random: &mut SplitMix64) -> Option<Departure> {
         let mut legs = departure.legs.clone();
         self.change(&mut legs, random);
@@ -155,7 +157,7 @@ impl<'a> Gathering<'a> {
         }
     }
 
-    /// A number of strokes of either sign, on one of several scales.
+    /// Random number of strokes of either sign, on one of several scales.
     fn some_strokes(&self, random: &mut SplitMix64) -> i64 {
         let scale = (0..random.below(SCALES)).fold(1.0, |scale, _| scale * SCALE_SHARE);
         (random.signed_unit() * scale * CHANGE_UM / self.step_um) as i64
@@ -165,7 +167,7 @@ impl<'a> Gathering<'a> {
         self.bed.first_hit(self.world, legs, &NO_DOCKS).is_none()
     }
 
-    /// Strokes, and control cycles as strokes, of the legs and of the estimate after them.
+    /// Cost in strokes of the legs, with their control cycles, and of the estimate after them.
     fn cost(&self, legs: &[Leg]) -> f64 {
         let mut poses: Vec<Pose> = self.bed.poses.clone();
         legs.iter().for_each(|leg| self.world.advance(&mut poses, &self.bed.docked, *leg));
@@ -178,7 +180,7 @@ impl<'a> Gathering<'a> {
 
 const NO_DOCKS: [RobotDocking; 0] = [];
 
-/// Leaves out short legs and joins neighbours of the same state.
+/// Leaves out short legs and merges consecutive ones of the same state.
 fn tidy(legs: &mut Vec<Leg>, least: u64) {
     legs.retain(|leg| leg.strokes >= least.max(1));
     legs.dedup_by(|later, earlier| {

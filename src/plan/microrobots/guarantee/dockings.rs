@@ -1,4 +1,4 @@
-//! Robots that dock in a plan that is carried out as written: when they touch, and whether they then stick in their places.
+//! Dockings of a plan that is carried out as written: when robots touch, and whether they then stick in their places.
 
 use super::outline::WrittenPlan;
 use super::passages::{DistanceLooks, NearStretch, apart_um};
@@ -9,7 +9,7 @@ use crate::plan::microrobots::AssemblyStage;
 use crate::plan::microrobots::strategy::{StrategySolid, body, edge_gap_um};
 use crate::real::Real;
 
-/// Factor on sums of small distances, for what is of second order in small angles up to [`STEEPEST_RAD`].
+/// Factor on sums of small distances that covers second-order terms of angles up to [`STEEPEST_RAD`].
 const SECOND_ORDER: f64 = 1.2;
 
 /// Greatest angle at which such sums are used.
@@ -19,13 +19,13 @@ const STEEPEST_RAD: f64 = 0.3;
 pub struct PlannedDocking {
     /// Each with its goal.
     pub robots: Vec<(usize, Pose)>,
-    /// The leg after which they stand.
+    /// The leg after which they stand still.
     pub leg: usize,
     /// The first leg in which the partners of this docking may touch each other.
     first_leg: usize,
     /// The docked robots that a single one faces; empty for two robots that meet.
     partners: Vec<usize>,
-    /// Distance at the end of the legs.
+    /// Gap between the robots and their partners at the end of the legs.
     gap_um: f64,
     near: Vec<DockingStretch>,
 }
@@ -34,9 +34,9 @@ pub struct PlannedDocking {
 struct DockingStretch {
     leg: usize,
     least_um: f64,
-    /// Longest path that is left of any of the robots.
+    /// Longest remaining path of any of the robots.
     left_um: f64,
-    /// By robot: offsets of the middle of its front, sideways, and of its heading from the goal's.
+    /// By robot: lateral offset of the middle of its front, and offset of its heading, from the goal's.
     aside_um: [f64; 2],
     tilt_rad: [f64; 2],
 }
@@ -44,16 +44,16 @@ struct DockingStretch {
 /// A robot that has docked.
 #[derive(Debug, Clone, Copy)]
 pub struct Docked {
-    /// Bound on how far a point of its body is from where it should be.
+    /// Bound on the displacement of any point of its body.
     pub body_um: f64,
-    /// Bound on the path that it is stopped before, or runs on after the end of its legs.
+    /// Bounds on the path by which it is stopped early, and by which it runs on after the end of its legs.
     pub early_um: f64,
     pub late_um: f64,
     /// The first leg in which it may be stopped.
     pub from_leg: usize,
 }
 
-/// Bound on how far the structure is from where it should be.
+/// Bound on the displacement of the structure from its planned place.
 #[derive(Debug, Clone, Copy)]
 pub struct StructureOffset {
     middle_um: [f64; 2],
@@ -69,7 +69,7 @@ impl StructureOffset {
 }
 
 impl PlannedDocking {
-    /// Whether two robots come together in it, and this leg belongs to it.
+    /// Whether this docking brings two robots together, and this leg belongs to it.
     pub fn brings_together(&self, robots: [usize; 2], leg: usize) -> bool {
         let docks = |robot: usize| self.robots.iter().any(|(other, _)| *other == robot);
         let is_in = |robot: usize| docks(robot) || self.partners.contains(&robot);
@@ -78,7 +78,7 @@ impl PlannedDocking {
     }
 }
 
-/// The dockings of a plan in order of time; `None` if a robot docks where nothing surely stops it.
+/// The dockings of a plan in order of time; `None` if a robot docks where nothing certainly stops it.
 pub fn dockings(plan: &WrittenPlan, stages: &[&AssemblyStage]) -> Option<Vec<PlannedDocking>> {
     let mut looks = DistanceLooks::new();
     let mut found = Vec::new();
@@ -123,7 +123,7 @@ fn docking(plan: &WrittenPlan, robots: Vec<(usize, Pose)>, looks: &mut DistanceL
     Some(found)
 }
 
-/// The docked robots that one faces at the end of its legs.
+/// The docked robots that a robot faces at the end of its legs.
 fn faced(plan: &WrittenPlan, robot: usize, leg: usize) -> Vec<usize> {
     let tolerance_um = plan.order.facts.docking.tolerance_um + 1e-6;
     let poses = &plan.poses[leg + 1];
@@ -149,12 +149,12 @@ impl PlannedDocking {
         DockingStretch { leg, least_um: near.least_um, left_um: step_um * left_strokes, aside_um, tilt_rad }
     }
 
-    /// Stretches in which the robots may touch their partners, if these come nearer than planned by so much.
+    /// Stretches in which the robots may touch their partners, if these come nearer than planned by `needs_um`.
     fn touching(&self, needs_um: f64) -> impl Iterator<Item = &DockingStretch> {
         self.near.iter().filter(move |stretch| stretch.least_um <= needs_um)
     }
 
-    /// Whether a robot that runs on surely meets something, though both may be off by `off_um` together.
+    /// Whether a robot that runs on certainly meets something, though both may be off by `off_um` together.
     fn is_met(&self, plan: &WrittenPlan, off_um: f64) -> bool {
         let (robot, facts) = (self.robots[0].0, plan.order.robot(self.robots[0].0));
         let end = plan.poses[self.leg + 1][robot];
@@ -169,7 +169,7 @@ impl PlannedDocking {
     }
 }
 
-/// Offset of the middle of a robot's front to the side of its goal's axis, and of its heading.
+/// Lateral offset of the middle of a robot's front from its goal's axis, and offset of its heading.
 fn off_goal(length_um: f64, pose: Pose, goal: Pose) -> [f64; 2] {
     let (sin, cos) = goal.heading_rad.sine_cosine();
     let tilt_rad = wrapped_rad(pose.heading_rad - goal.heading_rad);
@@ -177,20 +177,20 @@ fn off_goal(length_um: f64, pose: Pose, goal: Pose) -> [f64; 2] {
     [aside_um.abs(), tilt_rad.abs()]
 }
 
-/// How far from their places the robots of a docking are once they touch, and the structure with them.
+/// Displacement of the robots of a docking, and of the structure with them, once they touch.
 struct DockingContact {
     early_um: f64,
     late_um: f64,
     from_leg: usize,
-    /// Bound on how far the front of any of them is from where it is planned at the same instant.
+    /// Bound on the distance of any of their fronts from where it is planned at the same instant.
     nose_um: f64,
     /// By robot: bounds on the offset of its front from its axis and of its heading, relative to the plan.
     aside_um: [f64; 2],
     tilt_rad: [f64; 2],
 }
 
-/// A docking with robots that stray: their displacement, and that of the structure where it begins; `None` if they might not stick
-/// in their places.
+/// Applies a docking of robots that stray: records their displacement, and that of the structure if it begins with
+/// them. `None` if they might not stick in their places.
 pub fn displaced(
     plan: &WrittenPlan,
     docking: &PlannedDocking,
@@ -215,12 +215,12 @@ pub fn displaced(
     let most_um = docking_facts.tolerance_um.max(plan.order.precision.place_um);
     for robot in robots {
         let (facts, stray) = (plan.order.robot(robot), &strays[robot]);
-        // What the controller measures at the end of the legs.
+        // Offset that the controller may measure at the end of the legs.
         if off_um.max(stray.place_um(facts) + plan.order.precision.place_um) > most_um {
             return None;
         }
         standing[robot] = Some(Docked {
-            // A robot that is late runs straight from one of these to the other.
+            // A late robot runs straight from its place at the end of its legs to where it docks.
             body_um: off_um.max(stray.body_um(facts)) + contact.tilt_rad[0] * facts.width_um,
             early_um: contact.early_um,
             late_um: contact.late_um,
@@ -259,7 +259,7 @@ fn contact(
         let aside_um = touching().map(|stretch| stretch.aside_um[nth]).fold(0.0, f64::max);
         contact.tilt_rad[nth] = tilt_rad;
         contact.nose_um = contact.nose_um.max(stray.nose_um(facts) + late_um * bent_rad);
-        // A corner that touches first leads to the side as the body turns until it lies flat.
+        // A corner that touches first moves the front sideways as the body turns until it lies flat.
         contact.aside_um[nth] =
             aside_um + stray.nose_um(facts) + late_um * tilt_rad + facts.width_um / 4.0 * tilt_rad * tilt_rad;
     }
@@ -284,7 +284,7 @@ fn single(
     sticks.then_some(aside_um + partner_um + docking.gap_um + structure.tilt_rad * half_um)
 }
 
-/// The structure of two robots that align themselves.
+/// Displacement of the structure that two robots begin; `None` if they might not align themselves.
 fn pair(plan: &WrittenPlan, docking: &PlannedDocking, contact: &DockingContact) -> Option<StructureOffset> {
     let limits = plan.order.facts.docking;
     let facts = plan.order.robot(docking.robots[0].0);
@@ -294,8 +294,8 @@ fn pair(plan: &WrittenPlan, docking: &PlannedDocking, contact: &DockingContact) 
         return None;
     }
     let [one, other] = [docking.robots[0].1, docking.robots[1].1];
-    // Both run towards each other, so that they meet between the places where their fronts should be and are: with the signed
-    // offsets s and t of these along the axis and the speeds v and w, at (w s - v t) / (v + w).
+    // Both run towards each other, so they meet between the planned and the actual places of their fronts: with the
+    // signed offsets s and t of these along the axis and the speeds v and w, at (w s - v t) / (v + w).
     let along_um = SECOND_ORDER * contact.nose_um + docking.gap_um + facts.width_um * between_rad;
     Some(StructureOffset {
         middle_um: [f64::midpoint(one.x_um, other.x_um), f64::midpoint(one.y_um, other.y_um)],

@@ -1,9 +1,10 @@
 //! Range of corrections of the fine motion, and its remaining error.
 //!
-//! Seen from the goal, let Y be the lateral place at which a robot would dock if it ran straight. It needs the curvature κ = -Y /
-//! S(D), where S(D) = D(D + l)/2 is the lateral shift of the front of a robot of length l per unit of curvature over a distance D.
-//! An interval driven with a curvature error ε changes the needed curvature by ε (S(D) - S(D')) / S(D'); the sum over all intervals
-//! must be kept in reserve on both sides. ε has two parts: that of the measurement, E(D) / S(D), and the robot's own.
+//! Seen from the goal, let Y be the lateral place at which a robot would dock if it ran straight. It needs the
+//! curvature κ = -Y / S(D), where S(D) = D(D + l)/2 is the lateral shift of the front of a robot of length l per unit
+//! of curvature over a distance D. An interval driven with a curvature error ε changes the needed curvature by
+//! ε (S(D) - S(D')) / S(D'); the sum over all intervals must be kept in reserve on both sides. ε has two parts: that of
+//! the measurement, E(D) / S(D), and the robot's own.
 
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{Cylinder, Driver, GoalFrame, steered};
@@ -12,7 +13,7 @@ use crate::real::Real;
 /// Steepest heading considered, relative to the normal of the edge.
 const STEEPEST_RAD: f64 = 1.3;
 
-/// With more intervals than this nothing is bounded.
+/// Most intervals; with more of them nothing is bounded.
 const MAX_INTERVALS: f64 = 10_000.0;
 
 /// Iterations of the incidence and the reserve, which depend on each other.
@@ -48,7 +49,7 @@ struct FineBounds<'a> {
 }
 
 impl Last {
-    /// For a robot that steers by a share of turning between two bounds.
+    /// Bounds for a robot that steers by a share of turning between two limits.
     pub fn new(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> Self {
         let seen = frame.seen(approach);
         let steepest_rad = (seen.heading_rad.abs() + region.cylinder.heading_rad).min(STEEPEST_RAD);
@@ -80,8 +81,8 @@ fn corners(frame: &GoalFrame, approach: Pose, region: Region) -> Vec<Pose> {
     (0..8).map(corner).collect()
 }
 
-/// Without further errors: the steepest incidence from a cylinder, the largest deviation of curvatures from the middle's, and the
-/// longest path.
+/// Without further errors: the steepest incidence from a cylinder, the largest deviation of the curvature from that at
+/// the middle, and the longest path.
 fn met(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> [f64; 3] {
     let per_um = 1.0 / driver.robot.turning_radius_um;
     let share = |seen: Pose| steered(driver, frame, frame.placed(seen), shares).0;
@@ -94,11 +95,13 @@ fn met(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, share
         way_um = way_um.max(contact.map_or(0.0, |contact| contact.way_um));
         bend_per_um = bend_per_um.max((share - middle).abs() * per_um);
     }
-    // Between the corners everything changes monotonically except the curvature along the path; a margin of a tenth covers that.
+    // Between the corners everything changes monotonically except the curvature along the path; a margin of a tenth
+    // covers that.
     [incidence_rad, bend_per_um, way_um].map(|most| 1.1 * most)
 }
 
-/// How much larger a cylinder may be and still be steered to the goal by shares that keep a reserve of curvature.
+/// Amount by which a cylinder may be larger and still be steered to the goal by shares that keep a reserve of
+/// curvature.
 fn slack(
     driver: &Driver,
     frame: &GoalFrame,
@@ -165,8 +168,8 @@ impl FineBounds<'_> {
         (0.8 * (self.driver.kept_um - over_um - unsure_um)).max(0.05 * self.driver.kept_um)
     }
 
-    /// Change of the needed curvature, and of the incidence with it, over all intervals; the last steered interval lies as near to
-    /// the contact as possible.
+    /// Change of the needed curvature, and of the incidence with it, over all intervals; the last steered interval lies
+    /// as near to the contact as possible.
     fn reserve(&self) -> [f64; 2] {
         let step_um = self.driver.fine_interval_um * (1.0 + self.driver.errors.speed_ratio);
         let (mut per_um, mut turned_rad) = (0.0, self.drift_per_um() * self.way_um);

@@ -1,4 +1,4 @@
-//! Containments as text, and errors that a plan surely bears.
+//! Containments, and errors that a plan certainly tolerates, as text.
 
 use super::written::scaled;
 use super::{Containment, ContainmentCheck};
@@ -17,22 +17,23 @@ pub fn fields(errors: &Errors, multiple: f64) -> String {
     )
 }
 
-/// What a plan bears of the errors of the device, as a clause that begins with the limit.
+/// Share of the device's errors that a plan tolerates, as a clause that begins with the limit.
 pub fn limit(errors: &Errors, multiple: f64) -> String {
     let turning = digits(lowered(multiple * 1e3 * errors.turning_rad_per_um.to_degrees()));
     let share = digits(lowered(100.0 * multiple));
     format!("up to {turning} deg/mm of turning error and {share} % of all errors of the device")
 }
 
-/// A positive number down to its first two digits.
+/// A positive number cut after its first two digits.
 fn lowered(value: f64) -> f64 {
-    // The shortest decimal that is this number: its digits are cut, not those of the binary fraction.
+    // Cuts the digits of the shortest decimal that is this number, not those of the binary fraction.
     let text = format!("{value:e}");
     let Some((digits, exponent)) = text.split_once('e') else { return 0.0 };
     format!("{}e{exponent}", digits.get(..3).unwrap_or(digits)).parse().unwrap_or(0.0)
 }
 
-/// An available and a larger required value to a tenth; where that is one text, to a hundredth, the first rounded down and the second up.
+/// An available value and a larger required one, to a tenth; if these look the same, to a hundredth, the first rounded
+/// down and the second up.
 fn told_apart(has: f64, needs: f64) -> (String, String) {
     let (short, long) = (format!("{has:.1}"), format!("{needs:.1}"));
     if short != long {

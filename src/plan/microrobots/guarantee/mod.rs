@@ -1,17 +1,19 @@
-//! What errors a plan surely bears (`written`), and estimates of what may prevent the closed-loop strategy from bringing robots to their
-//! goals, with the errors at their bounds.
+//! Errors that a plan certainly tolerates (`written`), and estimates of what may keep the closed-loop strategy from
+//! bringing robots to their goals, with the errors at their bounds.
 //!
-//! Of the estimates: input: an order whose device states its errors, and a plan. Output: for each stage of an assembly the containments on which
-//! success rests, each with the required and the available value. No promise: these are estimates. Of 76 tasks in which all
-//! containments held, trials of `simulate` failed in 14 (up to 4.5 % of the trials), so a stage is never called guaranteed because
-//! of them; they show what to examine first. A stage in which one does not hold may well succeed nearly always.
+//! Input of the estimates: an order whose device states its errors, and a plan. Output: for each stage of an assembly
+//! the containments on which success rests, each with the required and the available value. No promise: these are
+//! estimates. Of 76 tasks in which all containments held, trials of `simulate` failed in 14 (up to 4.5 % of the
+//! trials), so a stage is never called guaranteed because of them; they show what to examine first. A stage in which
+//! one does not hold may well succeed nearly always.
 //!
-//! Method: the forward projection of the gross motion is the cylinder about the approach ([`Driver::cylinder`]); it must lie in the
-//! preimage of the goal under the fine motion (`fine`), that is, within the reach of its curvatures on both sides, less the share
-//! that the errors of all intervals may consume. The error at contact is that of the last measurement and of the path after it. The
-//! goal region is enlarged by compliance: any angle within the docking limits is accepted. The paths themselves, with all possible
-//! deviations of the robots, must stay clear of everything (`room`); this test replaces the paper's C_O. Source: the paper's
-//! section 3.4, with the ranges of the three primitives assigned to the correct robots.
+//! Method: the forward projection of the gross motion is the cylinder about the approach ([`Driver::cylinder`]); it
+//! must lie in the preimage of the goal under the fine motion (`fine`), that is, within the reach of its curvatures on
+//! both sides, less the share that the errors of all intervals may consume. The error at contact is that of the last
+//! measurement and of the path after it. The goal region is enlarged by compliance: any angle within the docking limits
+//! is accepted. The paths themselves, with all possible deviations of the robots, must stay clear of everything
+//! (`room`); this test replaces the paper's C_O. Source: the paper's section 3.4, with the ranges of the three
+//! primitives assigned to the correct robots.
 
 mod dockings;
 mod fine;
@@ -35,7 +37,8 @@ use room::{GrossMotion, Surroundings};
 /// The kind of a containment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ContainmentCheck {
-    /// The cylinder about the approach in the preimage of the fine motion: its radius, and the correctable radius; in micrometres.
+    /// The cylinder about the approach in the preimage of the fine motion: its radius, and the correctable radius; in
+    /// micrometres.
     Cone,
     /// Lateral offset at which the robot may come to rest, and the docking tolerance; in micrometres.
     Place,
@@ -49,7 +52,7 @@ pub enum ContainmentCheck {
     Gross(String),
     /// The same in fine motion.
     Fine(String),
-    /// An edge must lie before the robot at its goal: 1 is required, and this many exist.
+    /// An edge must lie ahead of the robot at its goal: 1 is required, and this many exist.
     Edge,
     /// Angle that a turn of a robot needs so that no circle is driven, and its actual angle; in radians.
     Turn,
@@ -85,14 +88,15 @@ impl Containment {
 }
 
 impl Assured {
-    /// The first containment that does not hold. If there is none, the stage is still not guaranteed: these are estimates.
+    /// The first containment that does not hold. If there is none, the stage is still not guaranteed: these are
+    /// estimates.
     pub fn violated(&self) -> Option<&Containment> {
-        // NaN does not hold.
+        // A margin of NaN does not hold.
         self.containments.iter().find(|containment| containment.margin().is_nan() || containment.margin() < 0.0)
     }
 }
 
-/// The stages of a plan in order of time; `None` where the device does not state its errors.
+/// Estimates for the stages of a plan in order of time; `None` if the device does not state its errors.
 pub fn guarantees(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<Vec<Assured>> {
     order.facts.errors?;
     let solids = obstacles(order);
@@ -134,7 +138,7 @@ struct StageContext<'a> {
     order: &'a MicrorobotsOrder,
     episode: &'a Episode<'a>,
     obstacles: &'a [StrategySolid],
-    /// Whether its step begins with it, so that the robots' poses on their orbits are known.
+    /// Whether it is the first stage of its step, so that the robots' poses on their orbits are known.
     is_first: bool,
     structure: Displaced,
 }
@@ -190,7 +194,7 @@ fn single(bed: &StageContext, robot: usize, approach: Pose, goal: Pose) -> Optio
 mod tests {
     use super::*;
 
-    /// What is needed and not there, or is no number, is a containment that does not hold; what is just there holds.
+    /// A containment with a margin below 0, or of NaN, does not hold; one with a margin of 0 does.
     #[test]
     fn a_containment_without_its_margin_is_violated() {
         let violated = |needs: f64, has: f64| {

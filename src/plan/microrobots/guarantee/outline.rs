@@ -1,4 +1,4 @@
-//! A plan as it is carried out without corrections, and how far its robots may stray from it.
+//! A plan as carried out without corrections, and bounds on how far its robots may stray from it.
 
 use super::stray::StrayBound;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep};
@@ -6,7 +6,7 @@ use crate::device::microrobots::Errors;
 use crate::geometry::Pose;
 use crate::plan::microrobots::{Leg, MicrorobotsMotion, MicrorobotsStepMotion};
 
-/// Most legs of a plan that is looked at.
+/// Most legs of a plan that is inspected.
 const MAX_LEGS: usize = 20_000;
 
 /// A plan as it is carried out without corrections.
@@ -16,13 +16,13 @@ pub struct WrittenPlan<'a> {
     pub legs: Vec<Leg>,
     /// Nominal poses of all robots before each leg, and after the last one.
     pub poses: Vec<Vec<Pose>>,
-    /// By robot: the leg after which it stands, if it docks.
+    /// By robot: the leg after which it stands still, if it docks.
     pub docks: Vec<Option<usize>>,
 }
 
 impl<'a> WrittenPlan<'a> {
-    /// `None` where robots are driven in closed loop, where they do not begin where the scene has
-    /// them, but where an earlier task left them, or where the plan is too long to be looked at.
+    /// `None` if robots are driven in closed loop, if any is docked already or begins where an earlier task left it
+    /// instead of where the scene has it, or if the plan is too long to be inspected.
     pub fn of(order: &'a MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<Self> {
         let is_driven = |step: &MicrorobotsStep| matches!(step.action, MicrorobotsAction::Drive { .. });
         let is_at_start = |(robot, pose): (usize, &Pose)| order.robots[robot].pose == *pose;
@@ -54,7 +54,7 @@ impl<'a> WrittenPlan<'a> {
         self.docks[robot].is_none_or(|last| leg <= last)
     }
 
-    /// Bounds on how far each robot is from the plan before each leg, and after the last one, with errors.
+    /// Bounds on how far errors take each robot from the plan, before each leg and after the last one.
     pub fn strays(&self, errors: &Errors) -> Vec<Vec<StrayBound>> {
         let begin = |robot: usize| StrayBound::measured(self.order.robot(robot), errors);
         let mut now: Vec<StrayBound> = (0..self.docks.len()).map(begin).collect();
@@ -70,7 +70,8 @@ impl<'a> WrittenPlan<'a> {
         all
     }
 
-    /// Whether a robot that docks is at the end of its legs farther from its place than the controller accepts, without any look.
+    /// Whether some robot that docks may be farther from its place at the end of its legs than the controller accepts.
+    /// Quick: it measures no distances of bodies.
     pub fn is_hopeless(&self, errors: &Errors) -> bool {
         let most_um = self.order.facts.docking.tolerance_um.max(self.order.precision.place_um);
         let strays = self.strays(errors);

@@ -1,8 +1,9 @@
 //! Bounds of the first two robots.
 //!
-//! The first is brought to its intermediate pose like any robot; then it runs straight and uncorrected for as long as the second is
-//! driven, which is bounded only if the second certainly drives no circle ([`ContainmentCheck::Turn`]). In the fine motion each of
-//! them has half of the range of curvatures. The error that remains is left to self-alignment.
+//! The first is brought to its intermediate pose like any robot; then it runs straight and uncorrected for as long as
+//! the second is driven, which is bounded only if the second certainly drives no circle ([`ContainmentCheck::Turn`]).
+//! In the fine motion each of them has half of the range of curvatures. The error that remains is left to
+//! self-alignment.
 
 use super::fine::{Last, Region};
 use super::room::{ENOUGH_UM, FineMotion, GrossMotion, Surroundings, is_looked_at, unbounded};
@@ -42,7 +43,7 @@ pub fn containments(bed: &StageContext, structure: &mut Displaced) -> Option<Vec
     let cylinders = pairing.cylinders(&ways[1], missed_um);
     let frames = [0, 1].map(|at| GoalFrame::new(pairing.couple.drivers[at].robot, goals[at], 0.0));
     let lasts = [0, 1].map(|at| {
-        // Their meeting point shifts by half of their timing error: as if both had begun that much nearer or farther.
+        // Their meeting point shifts by half of their timing error, as if both had begun that much nearer or farther.
         let driver = &pairing.couple.drivers[at];
         let region = Region { cylinder: cylinders[at], along_um: driver.cylinder().radius_um + missed_um / 2.0 };
         Last::new(driver, &frames[at], approach[at], region, SHARES[at])
@@ -63,7 +64,7 @@ impl<'a> PairGuarantee<'a, '_> {
         Containment { robot: self.robots[which], check, needs, has }
     }
 
-    /// The two touch and face each other at their goals.
+    /// The two must touch and face each other at their goals.
     fn edge(&self) -> Containment {
         let facts = [0, 1].map(|at| self.couple.drivers[at].robot);
         let other = StrategySolid::standing(facts[1], self.goals[1]);
@@ -92,7 +93,7 @@ impl<'a> PairGuarantee<'a, '_> {
         poses[poses.len() - 1]
     }
 
-    /// The second robot may leave its orbit at any time; any later turn must be long enough.
+    /// The second robot may leave its orbit at any time, but any later turn must be long enough.
     fn turns(&self, ways: &[GrossMotion; 2]) -> Option<Containment> {
         let shortage = |[needs, has]: &[f64; 2]| has - needs;
         let tightest = ways[1].turns_rad.iter().skip(1).min_by(|a, b| shortage(a).total_cmp(&shortage(b)));
@@ -184,7 +185,7 @@ impl<'a> PairGuarantee<'a, '_> {
         found
     }
 
-    /// The run of the first, checked against everything and against the second, which is driven meanwhile.
+    /// Room of the first robot's run, to everything around and to the second robot, which is driven meanwhile.
     fn apart(&self, around: &Surroundings, ways: &[GrossMotion; 2], missed_um: f64) -> Vec<Containment> {
         let [first, second] = [0, 1].map(|at| &self.couple.drivers[at]);
         let run_um = self.run_um(&ways[1]);

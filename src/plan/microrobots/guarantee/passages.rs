@@ -1,6 +1,7 @@
-//! Where bodies come near to one another in a plan that is carried out as written.
+//! Passages: where bodies come near to one another in a plan that is carried out as written.
 //!
-//! Method: conservative advancement. Between two looks no body moves farther than the distance that is taken off at the first one.
+//! Method: conservative advancement. Between two samples no body moves farther than the distance deducted at the first
+//! one.
 
 use super::outline::WrittenPlan;
 use crate::device::microrobots::Arm;
@@ -8,21 +9,21 @@ use crate::geometry::distance::quadrilateral_core;
 use crate::geometry::{Core, Pose};
 use crate::plan::microrobots::strategy::{BodyCorners, body, obstacles};
 
-/// Bodies farther apart than this are not looked at closely.
+/// Bodies farther apart than this are not examined closely.
 pub const FAR_UM: f64 = 50.0;
 
-/// Least motion between two looks, and its share of the distance of near bodies.
+/// Least motion between two samples, and its share of the distance of near bodies.
 const LOOK_UM: f64 = 0.5;
 const LOOK_SHARE: f64 = 0.05;
 
-/// Most looks at one plan.
+/// Most samples of one plan.
 const MAX_LOOKS: u32 = 3_000_000;
 
 /// A robot near to an obstacle or to another robot in a leg.
 pub struct Passage {
     pub leg: usize,
     pub robot: usize,
-    /// The other robot, or none for an obstacle.
+    /// The other robot; `None` for an obstacle.
     pub other: Option<usize>,
     /// Lower bound on their distance in the leg.
     pub least_um: f64,
@@ -37,7 +38,7 @@ pub struct NearStretch {
     pub least_um: f64,
 }
 
-/// Budget of looks.
+/// Budget of distance samples.
 pub struct DistanceLooks(u32);
 
 impl DistanceLooks {
@@ -45,8 +46,9 @@ impl DistanceLooks {
         DistanceLooks(MAX_LOOKS)
     }
 
-    /// The stretches of a leg in which two bodies are nearer than [`FAR_UM`]; `None` when the budget runs out. The distance is taken
-    /// after so many strokes; no point of a body moves faster against the other body than `rate_um` for each stroke.
+    /// The stretches of a leg in which two bodies are nearer than [`FAR_UM`]; `None` if the budget runs out.
+    /// `distance_um` takes the strokes since the leg began; no point of a body moves faster against the other body than
+    /// `rate_um` per stroke.
     pub fn stretches(
         &mut self,
         strokes: u64,
@@ -84,7 +86,7 @@ impl WrittenPlan<'_> {
         facts.moved(before, self.arm(robot, leg), facts.step_um * strokes)
     }
 
-    /// Bound on the path of any point of a robot's body for each stroke of a leg.
+    /// Bound on the path of any point of a robot's body per stroke of a leg.
     fn rate_um(&self, robot: usize, leg: usize) -> f64 {
         let facts = self.order.robot(robot);
         match self.arm(robot, leg) {
@@ -117,7 +119,8 @@ pub fn apart_um(one: &BodyCorners, other: &BodyCorners) -> f64 {
     if least_um > FAR_UM { least_um } else { quadrilateral_core(*one, &Core::Polygon(other.to_vec())) }
 }
 
-/// All passages of a plan, apart from those of robots and the partners with which they dock; `None` when there is too much to look at.
+/// All passages of a plan, apart from those of robots and the partners with which they dock; `None` if the budget runs
+/// out.
 pub fn passages(plan: &WrittenPlan, are_docking: impl Fn([usize; 2], usize) -> bool) -> Option<Vec<Passage>> {
     let (solids, mut looks, mut found) = (obstacles(plan.order), DistanceLooks::new(), Vec::new());
     let least_um =

@@ -1,7 +1,7 @@
 //! Whether there is room for all possible deviations of robots from their paths.
 //!
-//! Paths are checked every few micrometres of their length, with half of that distance added to the deviation, so that nothing in
-//! between is missed.
+//! Paths are checked every few micrometres of their length, with half of that distance added to the deviation, so that
+//! nothing in between is missed.
 
 use super::StageContext;
 use super::fine::Last;
@@ -13,7 +13,7 @@ use std::f64::consts::{E, TAU};
 /// Step between two checks of a body.
 const LOOK_UM: f64 = 5.0;
 
-/// Most checks of one piece of a path: errors that need more are not bounded.
+/// Most checks of one piece of a path; errors that need more are not bounded.
 const MAX_LOOKS: f64 = 10_000.0;
 
 /// Room beyond this is not measured exactly.
@@ -27,7 +27,7 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// The tightest spot: required and available room.
+    /// The tightest spot so far or at this body, whichever has less room to spare.
     pub fn tightest(
         &self,
         body: &BodyCorners,
@@ -57,7 +57,7 @@ pub fn unbounded() -> Room {
     (String::new(), f64::INFINITY, 0.0)
 }
 
-/// Whether a path can be checked every few micrometres.
+/// Whether a path is short enough to be checked every few micrometres.
 pub fn is_looked_at(way_um: f64, look_um: f64) -> bool {
     way_um / look_um <= MAX_LOOKS
 }
@@ -79,15 +79,15 @@ pub struct GrossMotion<'a> {
     nominal: Vec<NominalPiece>,
     /// Possible displacement of the approach with the structure.
     pub shift_um: f64,
-    /// For every turn before a run, and for the last one: the angle it needs so that no circle is driven, and its actual angle; in
-    /// radians.
+    /// For every turn before a run, and for the last one: the angle it needs so that no circle is driven, and its
+    /// actual angle; in radians.
     pub turns_rad: Vec<[f64; 2]>,
     /// The nominal length, and its possible deviation if no circle is driven.
     pub length_um: [f64; 2],
 }
 
 impl<'a> GrossMotion<'a> {
-    /// From the start of the stage, or any place on that orbit, via centres to the approach.
+    /// Gross motion from the start of the stage, or from any place on that orbit, via centres to the approach.
     pub fn new(bed: &StageContext, driver: &'a Driver<'a>, robot: usize, via_um: &[[f64; 2]], approach: Pose) -> Self {
         let shift_um = bed.structure.of_um(approach);
         let mut way = GrossMotion::between(driver, shift_um);
@@ -96,7 +96,7 @@ impl<'a> GrossMotion<'a> {
         way
     }
 
-    /// Without parts; its approach may be displaced by `shift_um`.
+    /// A motion without parts; its approach may be displaced by `shift_um`.
     pub fn between(driver: &'a Driver<'a>, shift_um: f64) -> Self {
         GrossMotion {
             driver,
@@ -113,7 +113,7 @@ impl<'a> GrossMotion<'a> {
         self.parts.iter().map(|part| part.stray_um).fold(0.0, f64::max)
     }
 
-    /// Nominal pose at this distance before its end; on the first orbit if that is longer ago.
+    /// Nominal pose at this distance before the end; on the first orbit if the motion is shorter than that.
     pub fn left(&self, mut left_um: f64) -> Pose {
         for part in self.nominal.iter().rev() {
             if left_um <= part.way_um {
@@ -124,7 +124,7 @@ impl<'a> GrossMotion<'a> {
         self.nominal.first().map_or(Pose::at(0.0, 0.0), |part| bent(part.from, part.turn_per_um, -left_um))
     }
 
-    /// From a known pose, or from any place on its orbit.
+    /// Adds the path from a known pose, or from any place on its orbit.
     pub fn walk(&mut self, start: Pose, via_um: &[[f64; 2]], approach: Pose, tilt_rad: f64, is_orbiting: bool) {
         let driver = self.driver;
         let mut centre_um = driver.robot.orbit_centre_um(start);
@@ -155,7 +155,7 @@ impl<'a> GrossMotion<'a> {
         self.turn(centre_um, [heading_rad, approach.heading_rad], unsure, off_um, false);
     }
 
-    /// A turn about a centre; a full circle where it may become one.
+    /// Adds a turn about a centre; a full circle if it may become one.
     fn turn(&mut self, centre_um: [f64; 2], [from, to]: [f64; 2], [before, after]: [f64; 2], off_um: f64, any: bool) {
         let (side, radius_um) = (self.driver.side(), self.driver.robot.turning_radius_um);
         let angle_rad = turn(side * (to - from));
@@ -229,8 +229,9 @@ struct Stray {
 }
 
 impl Stray {
-    /// The direction lags by at most 2 ε + 2 u/D + ω D/2 plus the contribution of an interval, where ε is the error of a measured
-    /// heading, u that of a centre and ω the bound on the curvature; integrated along the path this gives the offset from the line.
+    /// The direction lags by at most 2 ε + 2 u/D + ω D/2 plus the contribution of an interval, where ε is the error of
+    /// a measured heading, u that of a centre and ω the bound on the curvature; integrated along the path this gives
+    /// the offset from the line.
     fn new(driver: &Driver, run_um: f64, off_um: f64) -> Self {
         let errors = driver.errors;
         let interval_um = driver.interval_um.min(run_um);
@@ -238,8 +239,8 @@ impl Stray {
         let centre_um = driver.centre_error_um() + driver.creep_um(driver.interval_um);
         let steady_rad = 2.0 * errors.heading_rad + drift * interval_um;
         let first_rad = 2.0 * driver.miss_rad_per_um() * interval_um;
-        // Sagitta of the most curved path. A steady error s of the measured direction adds the offset s·D·ln(L/D) at distance D
-        // from the target of a run L: at most s·L/e.
+        // Sagitta of the most curved path. A steady error s of the measured direction adds the offset s·D·ln(L/D) at
+        // distance D from the target of a run L: at most s·L/e.
         let bulge_um = drift * run_um * run_um / 8.0 + steady_rad * run_um / E;
         let place_um = off_um + 2.0 * centre_um + 1.1 * bulge_um + first_rad * interval_um;
         // The slope of that offset, s·(1 + ln(L/D)), at the last interval.

@@ -1,15 +1,17 @@
-//! The errors with which a plan that is carried out as written surely assembles its robots.
+//! The errors with which a plan that is carried out as written certainly assembles its robots.
 //!
-//! Input: an order, and a motion. Output: by how much the errors of the device may be multiplied so that every robot still docks,
-//! whatever the robots do within them. Guaranteed, since no feedback is relied upon: the bounds hold for errors that change at any
-//! instant, and they close as the errors go to 0. Not guaranteed: that larger errors make it fail; the closed loop bears many times
-//! as much, of which nothing is proven. Cost: distances of all bodies every half micrometre where they are near to one another.
+//! Input: an order, and a motion. Output: the factor by which the errors of the device may be multiplied so that every
+//! robot still docks, whatever the robots do within them. Guaranteed, since no feedback is relied upon: the bounds hold
+//! for errors that change at any instant, and they vanish as the errors go to 0. Not guaranteed: that larger errors
+//! make the plan fail; the closed loop tolerates many times as much, but nothing is proven about that. Cost: distances
+//! of all bodies every half micrometre where they are near to one another.
 //!
-//! Method. A robot is followed by the centre of its orbit and by its heading (`stray`). While its arm is down the centre only creeps;
-//! while it is up the centre follows the heading. All robots receive the same strokes, so errors never put them out of step. Bodies
-//! that keep apart in the plan keep apart as long as their distance (`passages`) exceeds what both may stray. Robots that dock meet
-//! their partner a little before the end of their legs, or later, since a robot whose arm is up runs on with the legs that follow
-//! (`dockings`); then they must be within the limits of sticking and self-alignment, and the structure is displaced by as much.
+//! Method: a robot is followed by the centre of its orbit and by its heading (`stray`). While its arm is down the
+//! centre only creeps; while it is up the centre follows the heading. All robots receive the same strokes, so errors
+//! never put them out of step. Bodies that keep apart in the plan keep apart as long as their distance (`passages`)
+//! exceeds what both may stray. Robots that dock meet their partner a little before the end of their legs, or later,
+//! since a robot whose arm is up runs on with the legs that follow (`dockings`). They must then be within the limits of
+//! sticking and self-alignment, and the structure is displaced by as much.
 
 use super::dockings::{Docked, PlannedDocking, displaced, dockings};
 use super::outline::WrittenPlan;
@@ -18,13 +20,13 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::Errors;
 use crate::plan::microrobots::{MicrorobotsMotion, MicrorobotsStepMotion};
 
-/// Largest multiple of the errors that is looked for.
+/// Largest multiple of the errors that is tried.
 const MAX_MULTIPLE: f64 = 1024.0;
 
 /// Halvings of the interval in which the largest multiple lies.
 const HALVINGS: usize = 40;
 
-/// A plan with all that may touch in it.
+/// A plan with everything that may touch in it.
 struct InspectedPlan<'a> {
     plan: WrittenPlan<'a>,
     passages: Vec<Passage>,
@@ -32,7 +34,7 @@ struct InspectedPlan<'a> {
 }
 
 impl<'a> InspectedPlan<'a> {
-    /// `None` where that is too much, or where a robot docks with nothing that surely stops it.
+    /// `None` if that is too much to inspect, if a robot docks with nothing that certainly stops it, or if none docks.
     fn of(plan: WrittenPlan<'a>, motion: &MicrorobotsMotion) -> Option<Self> {
         let stages: Vec<_> = motion.steps.iter().flat_map(MicrorobotsStepMotion::stages).collect();
         let dockings = dockings(&plan, &stages)?;
@@ -41,7 +43,8 @@ impl<'a> InspectedPlan<'a> {
         (!dockings.is_empty()).then_some(InspectedPlan { plan, passages, dockings })
     }
 
-    /// Path on which the last robots are pushed on, so that they surely touch, with errors; `None` where success is not certain.
+    /// Path by which the last robots are pushed on so that they certainly touch, with these errors; `None` if success
+    /// is not certain.
     fn pushed_um(&self, errors: &Errors) -> Option<f64> {
         let strays = self.plan.strays(errors);
         let mut standing: Vec<Option<Docked>> = vec![None; self.plan.docks.len()];
@@ -69,7 +72,7 @@ impl<'a> InspectedPlan<'a> {
         is_sure.then_some(pushed_um)
     }
 
-    /// Most by which a point of a robot that is not docked moves for each micrometre on which others are pushed.
+    /// Most by which a point of a robot that is not docked moves per micrometre by which others are pushed.
     fn swung(&self, robot: usize) -> f64 {
         let facts = self.plan.order.robot(robot);
         let steps_um = (0..self.plan.docks.len()).map(|other| self.plan.order.robot(other).step_um);
@@ -77,7 +80,7 @@ impl<'a> InspectedPlan<'a> {
         faster * (facts.orbit_reach_um() / facts.turning_radius_um).max(1.0)
     }
 
-    /// The push after the last leg; `None` if robots that are late might not have come to their places before the next ones do.
+    /// The push after the last leg; `None` if late robots might not have come to their places before the next ones do.
     fn last_push_um(&self, standing: &[Option<Docked>]) -> Option<f64> {
         for (at, docking) in self.dockings.iter().enumerate() {
             let docked = standing[docking.robots.first()?.0]?;
@@ -97,7 +100,7 @@ impl<'a> InspectedPlan<'a> {
     }
 }
 
-/// By how much the errors of the device may be multiplied so that the plan as written surely succeeds: 0 where nothing is known, at
+/// Largest multiple of the device's errors with which the plan as written certainly succeeds: 0 if nothing is known, at
 /// most `MAX_MULTIPLE`.
 pub fn borne(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> f64 {
     let plan = WrittenPlan::of(order, motion).and_then(|plan| InspectedPlan::of(plan, motion));
@@ -117,7 +120,8 @@ pub fn borne(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> f64 {
     low
 }
 
-/// The path of the last push if the errors of the device are such that the plan is carried out as it is written; `None` if it is not.
+/// Path of the last push if the errors of the device are small enough to carry the plan out as written; `None`
+/// otherwise.
 pub fn carried_out_as_written(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<f64> {
     let errors = order.facts.errors?;
     if errors.are_zero() {
@@ -130,7 +134,7 @@ pub fn carried_out_as_written(order: &MicrorobotsOrder, motion: &MicrorobotsMoti
     InspectedPlan::of(plan, motion)?.pushed_um(&errors)
 }
 
-/// Errors multiplied.
+/// Errors multiplied; the interval between measurements stays.
 pub fn scaled(errors: &Errors, multiple: f64) -> Errors {
     Errors {
         speed_ratio: errors.speed_ratio * multiple,

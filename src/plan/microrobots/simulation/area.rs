@@ -1,4 +1,4 @@
-//! How much of the area of a goal structure the robots cover in the end.
+//! Share of the area of a goal structure that the robots cover in the end.
 
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::geometry::Pose;
@@ -10,12 +10,13 @@ use nalgebra::{Isometry2, Point2, Vector2};
 pub struct AreaMatch {
     /// Covered by the robots where they stick.
     pub in_place: f64,
-    /// Covered once the structure is moved as a whole so that its first two robots match: whether its shape is right.
+    /// Covered once the structure is moved as a whole so that its first two robots match; this shows whether its shape
+    /// is right.
     pub of_shape: f64,
 }
 
-/// The match of the true final poses with the goals of an order; `None` without goals. `structure` leads from where the structure
-/// should be to where it is.
+/// Match of the true final poses with the goals of an order; `None` without goals. `structure` is the motion from the
+/// planned place of the structure to its actual one.
 pub fn area_match(order: &MicrorobotsOrder, poses: &[Pose], structure: Isometry2<f64>) -> Option<AreaMatch> {
     let goals: Vec<(usize, Pose)> = order
         .steps
@@ -35,7 +36,7 @@ pub fn area_match(order: &MicrorobotsOrder, poses: &[Pose], structure: Isometry2
     (!goals.is_empty()).then(|| AreaMatch { in_place: covered(&wanted, &found), of_shape: covered(&wanted, &moved) })
 }
 
-/// Share of the area of some rectangles that others cover; neither overlap one another, but for tolerances.
+/// Share of the area of some rectangles that others cover; neither set overlaps itself, except within tolerances.
 fn covered(wanted: &[BodyCorners], found: &[BodyCorners]) -> f64 {
     let whole: f64 = wanted.iter().map(|corners| area(corners)).sum();
     let common = |one: &BodyCorners| found.iter().map(|other| area(&clipped(one, other))).sum::<f64>().min(area(one));

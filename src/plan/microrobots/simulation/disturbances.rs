@@ -1,6 +1,6 @@
 //! Disturbances beyond the bounds of the device: late, lost and wrong measurements, robots that stall or slip.
 //!
-//! They are drawn from numbers of their own, so that a trial without them is what it was.
+//! They are drawn from a random stream of their own, so that a trial without them is what it was.
 
 use super::trial::Trial;
 use crate::geometry::Pose;
@@ -14,13 +14,13 @@ const WRONG_UM: f64 = 500.0;
 const SLIP_UM: f64 = 10.0;
 const SLIP_RAD: f64 = 0.05;
 
-/// Sets the numbers of disturbances apart from those of the errors.
+/// Separates the random stream of the disturbances from that of the errors.
 const OWN_STREAM: u64 = 0x005E_ED0F_D157;
 
-/// How often what goes wrong.
+/// Disturbances, each with its size or frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disturbances {
-    /// From a measurement to its command; the bed holds still meanwhile.
+    /// Delay from a measurement to its command; the bed holds still meanwhile.
     pub delay_ns: u64,
     /// Share of the measured poses of each robot that are lost.
     pub lost: f64,
@@ -48,7 +48,7 @@ impl DisturbedView {
         self.disturbances.delay_ns
     }
 
-    /// Draws what the robots do until the next measurement.
+    /// Draws which robots stall or slip until the next measurement.
     pub fn disturb(&mut self, trial: &mut Trial) {
         for robot in 0..trial.poses.len() {
             trial.stalled[robot] = self.happens(self.disturbances.stalls);
@@ -61,7 +61,7 @@ impl DisturbedView {
         }
     }
 
-    /// What becomes of a measured pose.
+    /// A measured pose after the disturbances; `None` if it is lost.
     pub fn seen(&mut self, pose: Pose) -> Option<Pose> {
         if self.happens(self.disturbances.lost) {
             return None;
@@ -76,7 +76,7 @@ impl DisturbedView {
         })
     }
 
-    /// Nothing is drawn for what never happens.
+    /// Whether something of this probability happens; nothing is drawn for what never does.
     fn happens(&mut self, share: f64) -> bool {
         share > 0.0 && self.random.unit() < share
     }

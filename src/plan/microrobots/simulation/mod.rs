@@ -1,19 +1,20 @@
-//! Simulation of the closed loop: the controller brings imperfect robots together by imperfect measurements.
+//! Simulation of the closed loop: the controller brings imperfect robots together from imperfect measurements.
 //!
-//! Input: an order, its plan, the number of trials, a seed. Output: a [`SimulationReport`]. Every trial draws for each robot errors of its
-//! figures, always within the bounds of the device (`facts.errors`): a part that stays for the trial and a part that
-//! changes from interval to interval; a quarter of the trials keep extreme errors throughout, another quarter change between
-//! extremes. The bed has true poses, which the [`Controller`] never sees: it is given measurements, and
-//! answers with segments of the drive, as it does in `tweeze control`.
+//! Input: an order, its plan, the number of trials, a seed. Output: a [`SimulationReport`]. Every trial draws errors of
+//! each robot's figures, always within the bounds of the device (`facts.errors`): a part that stays for the trial and a
+//! part that changes from interval to interval. A quarter of the trials keep extreme errors throughout; another quarter
+//! change between extremes. The bed has true poses, which the [`Controller`] never sees: it gets measurements and
+//! answers with segments of the drive, as in `tweeze control`.
 //!
-//! Simulated: measurement, the motion of all robots, contact of bodies, alignment, sticking, collisions of the true bodies. A trial succeeds
-//! if the controller finishes and every robot sticks in its place. Not simulated: single strokes (paths are continuous); a robot that
-//! sticks stays where it is, even if its arm is down until the end of the command in which it docked.
+//! Simulated: measurement, the motion of all robots, contact of bodies, alignment, sticking, collisions of the true
+//! bodies. A trial succeeds if the controller finishes and every robot sticks in its place. Not simulated: single
+//! strokes (paths are continuous); a robot that sticks stays where it is, even if its arm is down until the end of the
+//! command in which it docked.
 //!
 //! If all errors are 0, measuring changes nothing: the legs of the plan are carried out as written.
 //!
-//! The same seed gives the same report, whatever the number of threads: a trial depends on the seed and its own index alone.
-//! Cost grows with trials times the path length over the interval.
+//! The same seed gives the same report, whatever the number of threads: a trial depends on the seed and its own index
+//! alone. Cost grows with trials times the path length over the interval.
 
 mod area;
 mod disturbances;
@@ -34,10 +35,10 @@ use std::panic::resume_unwind;
 use std::thread::ScopedJoinHandle;
 use trial::{Trial, TrialFailure, TrialStart};
 
-/// Greatest number of trials in one call.
+/// Most trials in one call.
 pub const MAX_TRIALS: u64 = 10_000_000;
 
-/// Measurements of one trial: more than a day of them at five a second.
+/// Most measurements of one trial: more than a day of them at five a second.
 const MAX_MEASUREMENTS: u64 = 1_000_000;
 
 /// The bed of a task, on which trials are run.
@@ -62,7 +63,7 @@ impl<'a> SimulatedBed<'a> {
         (!stages.is_empty()).then_some(SimulatedBed { order, motion, errors, obstacles, stages, disturbances })
     }
 
-    /// One trial; it depends on the seed, its own index and the pilot alone.
+    /// Runs one trial; it depends on the seed, its own index and the pilot alone.
     pub fn trial(&self, seed: u64, index: u64, pilot: &mut impl Pilot) -> EndedTrial {
         let crew = &self.motion.start;
         let (obstacles, stages) = (self.obstacles.as_slice(), self.stages.as_slice());
@@ -78,8 +79,8 @@ impl<'a> SimulatedBed<'a> {
     }
 }
 
-/// Report on `trials` trials (at most [`MAX_TRIALS`]) of a plan by the controller; `None` if the device does not bound its errors, or
-/// nothing is assembled.
+/// Report on `trials` trials (at most [`MAX_TRIALS`]) of a plan by the controller; `None` if the device does not bound
+/// its errors, or nothing is assembled.
 pub fn simulate(
     order: &MicrorobotsOrder,
     motion: &MicrorobotsMotion,
@@ -111,7 +112,7 @@ fn docking_stages(motion: &MicrorobotsMotion) -> Vec<&AssemblyStage> {
     motion.steps.iter().flat_map(MicrorobotsStepMotion::stages).filter(docks).collect()
 }
 
-/// All trials in their order, by several threads.
+/// All trials in their order, run by several threads.
 fn gathered(trials: u64, threads: u64, one: &(impl Fn(u64) -> EndedTrial + Sync)) -> Vec<EndedTrial> {
     let share = trials.div_ceil(threads);
     std::thread::scope(|scope| {
@@ -135,7 +136,7 @@ fn run(mut trial: Trial, mut view: DisturbedView, pilot: &mut impl Pilot) -> End
     EndedTrial { failure, time_ns: trial.time_ns(), met: trial.met, area }
 }
 
-/// Measures, asks and drives until the pilot ends.
+/// Measures, asks the pilot and drives, until the pilot ends.
 fn attempt(trial: &mut Trial, view: &mut DisturbedView, pilot: &mut impl Pilot) -> Result<(), TrialFailure> {
     let mut measured = vec![None; trial.poses.len()];
     for _ in 0..MAX_MEASUREMENTS {

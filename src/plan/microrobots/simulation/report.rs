@@ -5,10 +5,10 @@ use super::trial::{EndedTrial, FailureReason, Met, TrialFailure};
 use crate::plan::microrobots::control::ControlPhase;
 use serde::Serialize;
 
-/// The quantile of the normal distribution that belongs to 95 % on both sides.
+/// Quantile of the normal distribution for a two-sided 95 %.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// The mean, the 95th percentile and the maximum of something.
+/// Mean, 95th percentile and maximum of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Spread {
     pub mean: f64,
@@ -16,24 +16,24 @@ pub struct Spread {
     pub max: f64,
 }
 
-/// How a robot came to its place, over all trials in which it did or met its structure at least; errors without signs.
+/// How a robot reached its place, over all trials in which it at least met its structure; absolute errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Dockings {
-    /// Index of the order's robots.
+    /// Index into the order's robots.
     pub robot: usize,
     /// Number of times that it met its structure.
     pub count: u64,
-    /// Sideways, once it lies flat; of a pair, between the axes.
+    /// Sideways, once it lies flat; for a pair, between the axes.
     pub across_um: Spread,
     /// Along its heading; for a pair, the displacement of the structure.
     pub along_um: Spread,
-    /// Between its heading and the normal of the edge at contact; of a pair, between the axes.
+    /// Between its heading and the normal of the edge at contact; for a pair, between the axes.
     pub incidence_rad: Spread,
     /// Error of its heading in the world, once it lies flat.
     pub heading_rad: Spread,
 }
 
-/// The mean, the 5th percentile and the minimum of a share.
+/// Mean, 5th percentile and minimum of a share.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct ShareSpread {
     pub mean: f64,
@@ -49,15 +49,15 @@ impl ShareSpread {
     }
 }
 
-/// Why trials failed.
+/// A kind of failure, with its number of trials.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Failures {
-    /// Index of the order's robots.
+    /// Index into the order's robots.
     pub robot: usize,
     pub reason: FailureReason,
-    /// Index of the order's steps.
+    /// Index into the order's steps.
     pub step: usize,
-    /// What the controller was doing.
+    /// Phase of the controller.
     pub phase: ControlPhase,
     pub count: u64,
 }
@@ -65,11 +65,11 @@ pub struct Failures {
 /// Outcome of the trials.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SimulationReport {
-    /// Of the order's robots, by their indices.
+    /// Names of the order's robots, by index.
     pub names: Vec<String>,
     pub trials: u64,
     pub successes: u64,
-    /// The share of successes, 95 % sure.
+    /// 95 % confidence interval of the share of successes.
     pub wilson: [f64; 2],
     /// In the order in which the robots are driven.
     pub dockings: Vec<Dockings>,

@@ -169,7 +169,7 @@ fn what_is_guaranteed_does_not_fail() {
                 assured[0].containments.iter().find(|held| held.check == check).map(|held| held.needs)
             };
             let (needs_um, fine) = (has(ContainmentCheck::Place), order.facts.fine);
-            // The estimate takes the place of the structure for known; the controller measures it.
+            // The estimate assumes that the place of the structure is known; the controller measures it.
             let known = order.facts.errors.expect("the errors are known");
             let structure_um = known.place_um + known.heading_rad * 260.0;
             assert!(
@@ -237,7 +237,7 @@ pub fn pair(errors: Errors, second: Pose) -> (MicrorobotsOrder, MicrorobotsMotio
     let approach =
         [before(order.robot(0), goals[0], 1.0 / 3.0, 250.0), before(order.robot(0), goals[1], 2.0 / 3.0, 250.0)];
     let (sin, cos) = approach[0].heading_rad.sin_cos();
-    // Half a circle more than the second needs at least.
+    // At least half a circle more than the second one needs.
     let facts = order.robot(0);
     let [from, to] = [starts[1], approach[1]].map(|pose| facts.orbit_centre_um(pose));
     let direction_rad = (to[1] - from[1]).atan2(to[0] - from[0]);
@@ -326,11 +326,12 @@ fn a_third_robot_follows_the_structure() {
     let assured = guarantees(&order, &motion).expect("the errors are known");
     assert_eq!(assured.iter().map(|stage| stage.robots.len()).collect::<Vec<_>>(), [2, 1]);
     assert_eq!(assured[0].violated(), None);
-    // The possible displacement of the structure is counted twice near the structure itself, so the room seems too small.
+    // The possible displacement of the structure is counted twice near the structure itself, so the room seems too
+    // small.
     assert!(assured[1].violated().is_none_or(|held| held.check == ContainmentCheck::Gross("D3".into())));
     let report = simulate(&order, &motion, 300, 7, 2).expect("the errors are known");
     assert_eq!(report.successes, 300, "{:?}", report.failures);
     assert_eq!(report.dockings.iter().map(|docking| docking.robot).collect::<Vec<_>>(), [2, 1, 0]);
-    // The structure is not where it should be, and the third robot is in its place of it all the same.
+    // The structure is not where it should be, yet the third robot is in its place in it.
     assert!(report.dockings[2].heading_rad.max > 0.001 && report.dockings[2].across_um.max < 3.0, "{report:?}");
 }

@@ -1,9 +1,10 @@
-//! A step that assembles: the best of assemblies after first legs, and without them.
+//! A step that assembles: the best of the assemblies with and without initial legs.
 //!
-//! Where time or control cycles are minimized, assemblies are planned without fine motions, and the two robots that meet first move at
-//! once: such legs are the best that the script of a generator can play. The closed loop, which carries a task out where the device states
-//! errors, needs fine motions, and drives the two one after the other. So a plan is preferred beside which another one is found with them:
-//! the closed loop takes the ways of the two from that.
+//! If time or control cycles are minimised, assemblies are planned without fine motions, and the two robots that meet
+//! first move at once: such legs are the best that the script of a generator can play. The closed loop, which carries a
+//! task out if the device states errors, needs fine motions and drives the two one after the other. So a plan is
+//! preferred if another one with fine motions is found beside it: the closed loop takes the paths of the two robots
+//! from that.
 
 use super::super::assembly::{
     self, Assembled, AssemblyTerms, CYCLES, DIRECT, DIRECT_PAIR, PlannedFineMotions, StuckAssembly,
@@ -21,11 +22,11 @@ use crate::plan::search::{Meter, SearchBudget};
 use crate::plan::watch::HeldPlan;
 use crate::random::SplitMix64;
 
-/// Descents to first legs of an assembly, and changes of the best of them that are planned.
+/// Descents to initial legs of an assembly, and variations of the best of them that are planned.
 const DESCENTS: u64 = 8;
 const VARIATIONS: usize = 16;
 
-/// Why a step brings no robots together.
+/// Reason why a step brings no robots together.
 enum NoAssembly {
     Stuck(StuckAssembly),
     /// A robot has been turning since the previous step, and meets something.
@@ -37,12 +38,12 @@ struct AssemblyCandidate {
     motion: MicrorobotsStepMotion,
     /// Whether the closed loop is known to have room.
     is_steered: bool,
-    /// The first legs, if there are any.
+    /// The initial legs, if there are any.
     departure: Option<Departure>,
 }
 
 impl BedStepPlanner<'_> {
-    /// The best assembly found; without one its error was pushed.
+    /// Returns the best assembly found; `None` after its error was pushed (drawn initial legs push none).
     pub fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
         let gathering = Gathering::new(self.order, self.roomy, self.world, self.bed, docks);
         if let FirstLegs::Drawn(seed) = self.first_legs {
@@ -53,7 +54,7 @@ impl BedStepPlanner<'_> {
         let budget = SearchBudget::of(self.order.expansions);
         let terms = AssemblyTerms { fine: self.fine_motions(), most_stages: assembly::MAX_PLANS };
         let direct = self.assembly(self.bed, None, docks, &mut Meter::new(budget), terms);
-        // Neither arms nor goals change with the robots' places.
+        // These failures depend on arms and goals alone; no initial legs change that.
         let is_in_vain =
             matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
         if let (Err(_), false) = (&direct, is_in_vain) {
@@ -80,14 +81,14 @@ impl BedStepPlanner<'_> {
         best.map(|best| best.motion)
     }
 
-    /// Whether the closed loop carries the task out, which drives the stages in its own way.
+    /// Whether the closed loop carries the task out; it drives the stages in its own way.
     fn has_errors(&self) -> bool {
         self.order.facts.errors.is_some_and(|errors| !errors.are_zero())
     }
 
-    /// Fine motions of an assembly. A plan whose failures are minimized has them, since it is chosen by how the controller carries it
-    /// out. Those of single robots take hardly any time, but the closed loop is known to have room only on ways that were planned
-    /// with them.
+    /// Fine motions of an assembly. If failures are minimised the plan has them, since it is chosen by how the
+    /// controller carries it out. Those of single robots take hardly any time, but the closed loop is known to have
+    /// room only on paths that were planned with them.
     fn fine_motions(&self) -> PlannedFineMotions {
         match self.order.objective {
             MicrorobotsObjective::Time if self.has_errors() => DIRECT_PAIR,
@@ -96,7 +97,7 @@ impl BedStepPlanner<'_> {
         }
     }
 
-    /// Puts the best of assemblies after first legs in the place of the given one, if it is better.
+    /// Replaces the given assembly by the best one after initial legs, if that is better.
     fn gather(
         &self,
         gathering: Option<&Gathering>,
@@ -128,7 +129,7 @@ impl BedStepPlanner<'_> {
         }
     }
 
-    /// Puts the assembly after first legs in the place of the best one, if it is better.
+    /// Replaces the best assembly by the one after these initial legs, if that is better.
     fn improve(&self, departure: Departure, docks: &[Dock], meter: &mut Meter, best: &mut Option<AssemblyCandidate>) {
         let is_late = |legs: &[Leg]| {
             best.as_ref().is_some_and(|best| best.is_steered && self.cost(best.motion.legs()) <= self.cost(legs))
@@ -147,7 +148,7 @@ impl BedStepPlanner<'_> {
         }
     }
 
-    /// The assembly after first legs, on a share of the step's expansions.
+    /// Plans the assembly after initial legs, on a share of the step's expansions.
     fn after(
         &self,
         Departure { mut legs, bed }: Departure,
@@ -172,8 +173,8 @@ impl BedStepPlanner<'_> {
         is_free.then_some(MicrorobotsStepMotion::Legs { legs, docks: docking, stages })
     }
 
-    /// A plan with what the closed loop needs where the device states errors, after the given first legs, if any; or a plan with fine
-    /// motions, if that is no worse.
+    /// Completes a plan, after the given initial legs if any, with what the closed loop needs where the device states
+    /// errors; or returns a plan with fine motions, if that is no worse.
     fn steered(
         &self,
         motion: MicrorobotsStepMotion,
@@ -203,7 +204,7 @@ impl BedStepPlanner<'_> {
         }
     }
 
-    /// An assembly from a state of the bed, after a leg in a control state.
+    /// Plans an assembly from a state of the bed, after a leg in control state `state`.
     fn assembly(
         &self,
         bed: &BedPoses,
@@ -222,8 +223,8 @@ impl BedStepPlanner<'_> {
     }
 }
 
-/// A plan whose first two robots are driven by the closed loop on the ways of another plan from the same poses; and whether both begin
-/// alike: with the same two robots, or with a single one.
+/// Lets the closed loop drive the first two robots of a plan on the paths of another plan from the same poses. Also
+/// returns whether both begin alike: with the same two robots, or with a single one.
 fn with_ways_of(motion: MicrorobotsStepMotion, other: &MicrorobotsStepMotion) -> (MicrorobotsStepMotion, bool) {
     let (first_of, departs) = (first_stage(motion.stages()), first_legs(motion.stages()));
     let MicrorobotsStepMotion::Legs { legs, docks, mut stages } = motion else { return (motion, false) };
@@ -260,7 +261,7 @@ fn first_legs(stages: &[AssemblyStage]) -> usize {
     }
 }
 
-/// The first stage in which robots dock.
+/// Index of the first stage in which robots dock.
 fn first_stage(stages: &[AssemblyStage]) -> Option<usize> {
     stages.iter().position(|stage| matches!(stage, AssemblyStage::Pair { .. } | AssemblyStage::Single { .. }))
 }

@@ -1,8 +1,8 @@
 //! The steps of a job of microrobots, planned one after the other from the current poses.
 //!
-//! After each step every robot is where the strokes have carried it, so a step without a plan leaves the later ones without a
-//! start: the job ends there. Steps may begin with first legs that move the whole bed (`departure`, `gathering`); the best by the objective is
-//! kept.
+//! After each step every robot is where the strokes have carried it, so a step without a plan leaves the later ones
+//! without a start: the job ends there. A step may begin with initial legs that move the whole bed (`departure`,
+//! `gathering`); the best plan by the objective is kept.
 
 mod assembled;
 
@@ -26,19 +26,19 @@ pub struct BedRoute {
     pub end: Crew,
 }
 
-/// First legs that a step may begin with.
+/// Initial legs that a step may begin with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FirstLegs {
     /// None, or those with which a step is best by the objective.
     Best,
-    /// None for an assembly, the best for other steps.
+    /// None for an assembly, the best ones for other steps.
     None,
-    /// An assembly begins with those of one descent of this seed, other steps with the best.
+    /// For an assembly those of one descent with this seed, for other steps the best ones.
     Drawn(u64),
 }
 
-/// Plans the steps of a job one after the other; without a plan for one of them its error was pushed. `roomy` is the order with the
-/// clearances that an assembly keeps after its first legs, no smaller than the order's own.
+/// Plans the steps of a job one after the other; `None` after an error was pushed for one of them. `roomy` is the order
+/// with the clearances that an assembly keeps after its initial legs, no smaller than the order's own.
 pub fn carried_out(
     order: &MicrorobotsOrder,
     roomy: &MicrorobotsOrder,
@@ -72,26 +72,28 @@ struct BedStepPlanner<'a> {
     world: &'a World,
     bed: &'a BedPoses,
     step: &'a MicrorobotsStep,
-    /// Whether every plan leads to this state of the bed: nothing driven so far left a choice.
+    /// Whether every plan leads to this state of the bed: no drive so far left a choice.
     is_given: bool,
     first_legs: FirstLegs,
 }
 
-/// Most first legs that are tried for a step.
+/// Most departures that are tried for a step.
 const MAX_DEPARTURES: usize = 40;
 
-/// Each of them may expand this share of the step's budget.
+/// Each of them may expand 1/`DEPARTURE_SHARE` of the step's budget.
 const DEPARTURE_SHARE: u64 = 16;
 
-/// The same for a drive's first attempt without first legs, and for each with them; more only where these find nothing.
+/// The same for a drive: its first attempt without a departure, and each attempt with one; they get more only if these
+/// find nothing.
 const FIRST_SHARE: u64 = 50;
 const DRIVE_SHARE: u64 = 200;
 
-/// Where a drive has no plan yet: first legs of which each is tried with a small share. The few that help mostly leave a way that is clear.
+/// Departures for a drive without a plan so far, and the small share for each: the few that help mostly leave a clear
+/// path.
 const MANY_DEPARTURES: usize = 1_000;
 const SMALL_SHARE: u64 = 2_000;
 
-/// Seed of the first legs among which the best is chosen, and of the many.
+/// Seed of the departures among which the best is chosen, and of the many.
 const BEST_SEED: u64 = 1;
 const MANY_SEED: u64 = 2;
 
@@ -162,8 +164,9 @@ impl<'a> BedStepPlanner<'a> {
         }
     }
 
-    /// A robot that meets an obstacle before the step can end, whatever states it is driven in, and the strokes that it would need: up to
-    /// its own goals, or, if it has none, until the others are at theirs. `None` if every plan is not known to begin here.
+    /// A robot that meets an obstacle before the step can end, whatever states are driven, and the strokes that it
+    /// would need: up to its own goals or, if it has none, until the others are at theirs. `None` also if some plan may
+    /// begin the step elsewhere.
     fn doomed(&self, goals: &[(usize, Pose)]) -> Option<(DoomedRobot, u64)> {
         let BedPoses { poses, docked, .. } = self.bed;
         let arrival = |(robot, goal): &(usize, Pose)| RobotArrival::of(self.order, *robot, poses[*robot], *goal);
@@ -171,7 +174,7 @@ impl<'a> BedStepPlanner<'a> {
         let least = |of: Vec<RobotArrival>| together::least_strokes(self.order, of);
         let step = match self.step.action {
             MicrorobotsAction::Assemble(_) => least(all.clone().map(arrival).collect()),
-            // A robot does not stay at its stops.
+            // A robot does not stay at its stops, so each is bounded alone.
             MicrorobotsAction::Drive { .. } | MicrorobotsAction::Apply { .. } | MicrorobotsAction::Wait(_) => {
                 all.clone().map(|goal| least(vec![arrival(goal)])).max().unwrap_or(0)
             }
@@ -188,7 +191,7 @@ impl<'a> BedStepPlanner<'a> {
         })
     }
 
-    /// The best of drives after first legs, and of the given one.
+    /// Returns the best of the drives after departures and of the given one.
     fn driven_after_legs(
         &self,
         request: &Drive,
@@ -204,7 +207,7 @@ impl<'a> BedStepPlanner<'a> {
             }
             let after = Drive { bed: &bed, ..*request };
             let Ok(driven) = drive::drive(&after, budget) else { continue };
-            // A stop is met at the end of a leg of the drive.
+            // A stop must be met at the end of a leg of the drive, not before its first leg.
             let (Some(first), false) = (driven.legs.first(), driven.met.contains(&0)) else { continue };
             if let Some(last) = legs.last_mut().filter(|last| last.state == first.state) {
                 last.strokes += first.strokes;
@@ -224,8 +227,8 @@ impl<'a> BedStepPlanner<'a> {
         SearchBudget::of((self.order.expansions / parts).max(1))
     }
 
-    /// Whether no drive from a pose through stops, after first legs, is shorter than the best one so far: the shortest paths without
-    /// obstacles take as long.
+    /// Whether no drive through the stops, from a pose after initial legs, beats the best one so far: even without
+    /// obstacles, the shortest paths take as long.
     fn cannot_beat(&self, best: &[Leg], legs: &[Leg], robot: usize, from: Pose, stops: &[Pose]) -> bool {
         let facts = self.order.robot(robot);
         let ways = std::iter::once(&from).chain(stops).zip(stops);
@@ -240,17 +243,17 @@ impl<'a> BedStepPlanner<'a> {
         }
     }
 
-    /// First legs for a step with these goals.
+    /// Departures for a step with these goals.
     fn departures(&self, goals: impl Iterator<Item = Pose>, seed: u64) -> Departures<'_> {
         Departures::new(self.order, self.world, self.bed, goals, seed)
     }
 
-    /// What the legs of a step cost: by the objective, then by the other figure.
+    /// Cost of a step's legs: the objective's figure, then the other one to break ties.
     fn cost(&self, legs: &[Leg]) -> [u64; 2] {
         legs_cost(self.order, legs)
     }
 
-    /// What legs cost, for who watches the search.
+    /// Cost of legs as text, for the watch on the search.
     fn summary(&self, legs: &[Leg]) -> String {
         format!("{:.1} s in {} legs", legs_ns(self.order, legs) as f64 / 1e9, legs.len())
     }

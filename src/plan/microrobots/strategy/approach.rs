@@ -11,7 +11,8 @@ const HALVINGS: usize = 40;
 /// Newton steps for the path length to the contact.
 const NEWTON_STEPS: usize = 20;
 
-/// A goal in its robot's frame: x ahead, y to the side to which it turns, so that every robot seems to turn counter-clockwise.
+/// A goal in its robot's frame: x ahead, y to the side to which it turns, so that every robot seems to turn
+/// counter-clockwise.
 #[derive(Debug, Clone, Copy)]
 pub struct GoalFrame {
     pub goal: Pose,
@@ -63,7 +64,7 @@ impl GoalFrame {
         self.edge_um - seen.x_um - self.length_um / 2.0 * cos - self.width_um / 2.0 * sin.abs()
     }
 
-    /// The contact that results from a pose touching the edge.
+    /// Contact of a robot whose pose touches the edge.
     pub fn contact(&self, seen: Pose, way_um: f64) -> EdgeContact {
         let (sin, cos) = seen.heading_rad.sine_cosine();
         let lean_um = self.width_um / 2.0 * (1.0 - cos) * sin.signum();
@@ -71,7 +72,7 @@ impl GoalFrame {
         EdgeContact { across_um, incidence_rad: seen.heading_rad, way_um }
     }
 
-    /// The contact of a robot that continues with a curvature; `None` if it turns away before.
+    /// Contact of a robot that continues with a curvature; `None` if it turns away before.
     pub fn met(&self, seen: Pose, turn_per_um: f64) -> Option<EdgeContact> {
         let mut way_um = self.gap_um(seen).max(0.0);
         for _ in 0..NEWTON_STEPS {
@@ -116,8 +117,8 @@ pub fn bent(pose: Pose, turn_per_um: f64, way_um: f64) -> Pose {
     }
 }
 
-/// The share of turning, within bounds, that docks a robot in its place; and the lateral offset from its place with that share, 0
-/// if the place is within reach.
+/// The share of turning, within bounds, that docks a robot in its place; and the lateral offset from its place with
+/// that share, 0 if the place is within reach.
 pub fn steered(driver: &Driver, frame: &GoalFrame, measured: Pose, [least, most]: [f64; 2]) -> (f64, f64) {
     let seen = frame.seen(measured);
     let per_um = 1.0 / driver.robot.turning_radius_um;

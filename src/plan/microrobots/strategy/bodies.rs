@@ -7,7 +7,7 @@ use crate::geometry::{Core, Pose};
 use crate::real::Real;
 use nalgebra::Point2;
 
-/// An overlap with a front below this counts as lying before it.
+/// An overlap with a front below this counts as lying ahead of it.
 const TOUCHING_UM: f64 = 1.0;
 
 /// The corners of a robot's body, in order around it.
@@ -54,7 +54,7 @@ impl StrategySolid {
         StrategySolid::new(name, Core::Point(Point2::new(x_um, y_um)), robot.orbit_reach_um() + growth_um)
     }
 
-    /// Whether all of it lies before the front of a robot at its goal, up to a contact tolerance.
+    /// Whether all of it lies ahead of the front of a robot at its goal, up to a contact tolerance.
     pub fn is_ahead(&self, robot: &Robot, goal: Pose) -> bool {
         let (sin, cos) = goal.heading_rad.sine_cosine();
         let ahead_um = |point: &Point2<f64>| (point.x - goal.x_um) * cos + (point.y - goal.y_um) * sin;
@@ -83,8 +83,8 @@ pub fn obstacles(order: &MicrorobotsOrder) -> Vec<StrategySolid> {
     order.obstacles.iter().filter_map(solid).collect()
 }
 
-/// Signed distance between a robot's front at its goal and the nearest of some bodies that it faces; `None` if none is within the
-/// tolerance. A body beside its way, whose side is farther forward, is not faced.
+/// Signed distance between a robot's front at its goal and the nearest of some bodies that it faces; `None` if none is
+/// within the tolerance. A body beside its path, whose side is farther forward, is not faced.
 pub fn edge_gap_um(robot: &Robot, goal: Pose, bodies: &[(&Robot, Pose)], tolerance_um: f64) -> Option<f64> {
     let (sin, cos) = goal.heading_rad.sine_cosine();
     let at_goal = body(robot, goal, 0.0);

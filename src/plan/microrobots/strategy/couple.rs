@@ -9,10 +9,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// Range of the share of turning of the first robot and of the second: disjoint ranges allow independent choices.
 pub const SHARES: [[f64; 2]; 2] = [[0.0, 0.5], [0.5, 1.0]];
 
-/// Part of the fine motion by which one robot may be ahead of the other.
+/// Share of the fine motion by which one robot may be ahead of the other.
 const MISSED_SHARE: f64 = 0.6;
 
-/// Part of that which is accepted when the first robot begins its run.
+/// Share of that which is accepted when the first robot begins its run.
 const BEGUN_SHARE: f64 = 0.4;
 
 /// Most that the intermediate pose slides on its line, to either side, in turning radii.
@@ -35,13 +35,13 @@ pub struct Couple<'a> {
     /// Largest distance by which one may be ahead of the other, as path length of the first.
     pub missed_um: f64,
     intermediate: Pose,
-    /// Shift back by whole circles of the second robot, where it would otherwise have too little time.
+    /// Shift back by whole circles of the second robot, which would otherwise have too little time.
     back_um: f64,
     slid_um: f64,
 }
 
 impl<'a> Couple<'a> {
-    /// `None` where the device does not state its errors.
+    /// `None` if the device does not state its errors.
     pub fn new(
         order: &'a MicrorobotsOrder,
         [first, second]: [usize; 2],
@@ -76,14 +76,14 @@ impl<'a> Couple<'a> {
         BEGUN_SHARE * self.missed_um
     }
 
-    /// Gives the second robot the time that it needs, by starting the first robot's run farther back, or less far than planned: the
-    /// paper's bound t_4π on a run that must be repeated.
+    /// Gives the second robot the time that it needs, by starting the first robot's run farther back or less far back
+    /// than planned: the paper's bound t_4π on a run that must be repeated.
     pub fn give_time(&mut self, second: &Pursuit, measured: Pose, round: usize) {
         let least_um = second.least_um(&self.drivers[1], measured) / self.ratio;
         (self.back_um, self.slid_um) = (0.0, 0.0);
         let short_um = least_um - self.run_um(self.intermediate()) - self.begun_um();
         let circles = (short_um / self.circle_um()).ceil();
-        // The plan's own paths are known to be free.
+        // In the first round the run is not shortened: the plan's own paths are known to be free.
         self.back_um = if round == 0 { circles.max(0.0) } else { circles } * self.circle_um();
     }
 
@@ -99,8 +99,8 @@ impl<'a> Couple<'a> {
         (self.approach[0].x_um - from.x_um) * cos + (self.approach[0].y_um - from.y_um) * sin
     }
 
-    /// Delay of the first robot, as a distance, if both were driven to their approaches, the first via the intermediate pose;
-    /// between minus and plus half of the second one's circle.
+    /// Delay of the first robot, as a distance, if both were driven to their approaches, the first via the intermediate
+    /// pose; between minus and plus half of the second one's circle.
     pub fn late_um(&self, pursuits: [&Pursuit; 2], measured: [Pose; 2]) -> f64 {
         let first_um = match pursuits[0].phase {
             Phase::Arrived => self.run_um(measured[0]),
@@ -130,7 +130,8 @@ impl<'a> Couple<'a> {
         pursuit.aim(&self.drivers[0], self.intermediate());
     }
 
-    /// The centre of a loop of the first robot that compensates for its being late: the paper's racetrack, beside the line.
+    /// The centre of a loop of the first robot that compensates for its being late: the paper's racetrack, beside the
+    /// line.
     pub fn racetrack(&self, late_um: f64) -> [f64; 2] {
         let driver = &self.drivers[0];
         let circles_um = [driver, &self.drivers[1]].map(|driver| TAU * driver.robot.turning_radius_um);

@@ -7,7 +7,7 @@ use crate::geometry::Pose;
 use crate::plan::microrobots::{AssemblyStage, Leg, MicrorobotsMotion, MicrorobotsStepMotion, RobotDocking};
 use crate::real::Real;
 
-/// A stage and its surroundings.
+/// A stage with its context.
 #[derive(Debug, Clone)]
 pub struct Episode<'a> {
     /// Index into the order's steps.
@@ -18,11 +18,12 @@ pub struct Episode<'a> {
     pub docked: Vec<bool>,
     /// Legs of this stage only.
     pub legs: &'a [Leg],
-    /// Legs from which the closed loop takes its ways: those of the stage, or others in their place.
+    /// Legs from which the closed loop takes its paths: those of the stage, or others in their place.
     pub steered: &'a [Leg],
-    /// Gross motion of each driven robot, in the order of driving: numbers of steered legs before its start and end.
+    /// Gross motion of each driven robot, in the order of driving: numbers of steered legs before its start and before
+    /// its end.
     pub gross: Vec<[usize; 2]>,
-    /// Centres of the turns between its start and its approach, for each of them.
+    /// Turning centres between the start and the approach of each driven robot.
     pub via_um: Vec<Vec<[f64; 2]>>,
 }
 

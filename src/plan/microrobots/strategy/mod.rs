@@ -1,31 +1,33 @@
-//! The closed-loop strategy that brings robots to their goals, defined once: `simulate` executes it, `guarantee` bounds it.
+//! The closed-loop strategy that brings robots to their goals, defined once: `simulate` executes it, `guarantee` bounds
+//! it.
 //!
-//! Input: the data of a robot and the bounds on the errors; a measured pose. Output: the arm's actions until the next measurement.
-//! The two steps are those of the paper's section 3.2 (error detection and recovery).
+//! Input: the data of a robot and the bounds on the errors; a measured pose. Output: the arm's actions until the next
+//! measurement. The two steps are those of the paper's section 3.2 (error detection and recovery).
 //!
-//! **Gross motion** (`pursuit`). While its arm is down a robot turns about a fixed centre; while it is up the centre moves along
-//! the heading. So a path is a list of centres, and after the last one a turn to the required heading. A robot turns to one side
-//! only, so an error of its heading to the other side costs a circle. Hence it never turns all the way to its target: it keeps a
-//! lag, the largest drift to the bad side that the bounds allow on the rest of the path, plus the uncertainty of the measurement.
-//! With the lag λ(D) = u + asin(ωD/2), where D is the distance, ω the bound on the curvature and u the uncertainty of the measured
-//! direction, the true direction of the target stays on the good side all the way: asin(ωD/2) is the angle of the chord of the most
-//! curved path, and a path that starts outside of it and bends less stays outside. Excess over the lag is corrected at every
-//! measurement, at once and cheaply. The remainder at the target is the excess of the last interval; [`Driver::cylinder`] bounds
-//! it. A circle is driven where a new target lies less than the lag ahead, and where the heading has passed the last one; that is
-//! the paper's δ(t_2π).
+//! **Gross motion** (`pursuit`). While its arm is down a robot turns about a fixed centre; while it is up the centre
+//! moves along the heading. So a path is a list of centres, and after the last one a turn to the required heading. A
+//! robot turns to one side only, so an error of its heading to the other side costs a circle. Hence it never turns all
+//! the way to its target: it keeps a lag, the largest drift to the bad side that the bounds allow on the rest of the
+//! path, plus the uncertainty of the measurement. With the lag λ(D) = u + asin(ωD/2), where D is the distance, ω the
+//! bound on the curvature and u the uncertainty of the measured direction, the true direction of the target stays on
+//! the good side all the way: asin(ωD/2) is the angle of the chord of the most curved path, and a path that starts
+//! outside of it and bends less stays outside. Excess over the lag is corrected at every measurement, at once and
+//! cheaply. The remainder at the target is the excess of the last interval; [`Driver::cylinder`] bounds it. A circle is
+//! driven where a new target lies less than the lag ahead, and where the heading has passed the last one; that is the
+//! paper's δ(t_2π).
 //!
-//! **Fine motion** (`approach`). At every measurement the share of the cycle with the arm down is chosen so that the robot is
-//! laterally in its place once one of its front corners has met the edge and it has turned about that corner until its front lies
-//! flat. Since the bed may rest, an interval of the fine motion is at most a tenth of its length, whatever the time between
-//! measurements. When less than an eighth would be left after another interval, the share is kept until contact: so near, a
-//! measurement changes the place by less than its own error.
+//! **Fine motion** (`approach`). At every measurement the share of the cycle with the arm down is chosen so that the
+//! robot is laterally in its place once one of its front corners has met the edge and it has turned about that corner
+//! until its front lies flat. Since the bed may rest, an interval of the fine motion is at most a tenth of its length,
+//! whatever the time between measurements. When less than an eighth would be left after another interval, the share is
+//! kept until contact: so near, a measurement changes the place by less than its own error.
 //!
-//! **Two robots at once** (`couple`). The second orbits while the first is driven, and the first runs straight, uncorrected, while
-//! the second is driven. They arrive simultaneously if the first has as far to run along its line as the second has to its
-//! approach; a delay of the first is compensated by sliding the pose at which its own drive ends along its line, and, where that
-//! does not help, by a racetrack. If they still miss each other by too much of the fine motion, everything restarts from the
-//! measured poses. In the fine motion the first turns for at most, the second for at least half of a cycle, so that each can be
-//! steered independently; they stick together where they meet.
+//! **Two robots at once** (`couple`). The second orbits while the first is driven, and the first runs straight,
+//! uncorrected, while the second is driven. They arrive simultaneously if the first has as far to run along its line as
+//! the second has to its approach; a delay of the first is compensated by sliding the pose at which its own drive ends
+//! along its line, and, where that does not help, by a racetrack. If they still miss each other by too much of the fine
+//! motion, everything restarts from the measured poses. In the fine motion the first turns for at most, the second for
+//! at least half of a cycle, so that each can be steered independently; they stick together where they meet.
 
 mod approach;
 mod bodies;
@@ -48,13 +50,13 @@ use std::f64::consts::TAU;
 /// Least number of intervals of the fine motion.
 const FINE_INTERVALS: f64 = 10.0;
 
-/// One part in this many of the fine motion is driven with the last chosen share.
+/// The last 1/`KEPT_PARTS` of the fine motion is driven with the last chosen share.
 const KEPT_PARTS: f64 = 8.0;
 
-/// An interval near a target is at most one part in this many of the fine motion.
+/// An interval near a target is at most 1/`NEAR_INTERVALS` of the fine motion.
 const NEAR_INTERVALS: f64 = 6.0;
 
-/// Distance, in errors of a centre, from which on a direction is measured.
+/// Least distance of a target, in errors of a centre, at which its direction is still measured.
 const SURE_CENTRES: f64 = 20.0;
 
 /// Centres nearer to each other than this coincide.
@@ -79,7 +81,7 @@ pub struct Driver<'a> {
     pub near_interval_um: f64,
     /// The same in fine motion: whole cycles.
     pub fine_interval_um: f64,
-    /// The share of the last cycles is kept when less than this would be left after another interval.
+    /// If less than this would be left after another interval, the share of the last cycles is kept.
     pub kept_um: f64,
     /// Path length of one cycle of the fine motion.
     pub cycle_um: f64,
@@ -102,7 +104,7 @@ impl Cylinder {
 }
 
 impl<'a> Driver<'a> {
-    /// `None` where the device does not state its errors.
+    /// `None` if the device does not state its errors.
     pub fn new(order: &'a MicrorobotsOrder, robot: usize) -> Option<Self> {
         let facts = &order.facts;
         let errors = facts.errors?;
@@ -160,13 +162,14 @@ impl<'a> Driver<'a> {
         1.5 * self.centre_error_um() + SAME_UM
     }
 
-    /// A new target is skipped when the centre is measured this near: it could not reliably be brought nearer.
+    /// Measured distance of the centre from a new target within which that is skipped: the centre could not reliably be
+    /// brought nearer.
     pub fn left_alone_um(&self) -> f64 {
         self.centre_miss_um() - self.centre_error_um()
     }
 
-    /// Least distance to a target at which a corrected interval ends, so that no target is passed unnoticed, and the noise of a
-    /// measured centre turns the robot only slightly.
+    /// Least distance to a target at which a corrected interval ends, so that no target is passed unnoticed, and the
+    /// noise of a measured centre turns the robot only slightly.
     pub fn guard_um(&self) -> f64 {
         let passed_um = self.centre_error_um() + self.errors.speed_ratio * self.interval_um;
         (2.0 * passed_um).max(SURE_CENTRES * self.centre_error_um()) + SAME_UM
@@ -184,7 +187,8 @@ impl<'a> Driver<'a> {
         across_um.hypotenuse(along_um).max(self.capture_um() + centre_um)
     }
 
-    /// Bound on the true end of the gross motion: the paper's δ(t_2π) for this strategy, measured once more and accepted.
+    /// Bound on the true end of the gross motion: the paper's δ(t_2π) for this strategy, measured once more and
+    /// accepted.
     pub fn cylinder(&self) -> Cylinder {
         let heading_rad = self.errors.heading_rad + self.near_interval_um * self.miss_rad_per_um() + 1e-9;
         let circle_um = self.creep_um(TAU * self.robot.turning_radius_um);
@@ -205,7 +209,7 @@ impl<'a> Driver<'a> {
     }
 }
 
-/// An angle reduced to one turn from 0, the full turn excluded.
+/// Angle reduced to the range from 0 to a full turn, the latter excluded.
 pub fn turn(angle_rad: f64) -> f64 {
     let turned_rad = angle_rad.rem_euclid(TAU);
     if turned_rad >= TAU { 0.0 } else { turned_rad }

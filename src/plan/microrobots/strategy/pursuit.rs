@@ -36,13 +36,13 @@ pub struct Pursuit {
 }
 
 impl Pursuit {
-    /// Via these centres; that of the approach itself is appended.
+    /// Gross motion via these centres; that of the approach itself is appended.
     pub fn new(driver: &Driver, mut via_um: Vec<[f64; 2]>, approach: Pose) -> Self {
         via_um.push(driver.robot.orbit_centre_um(approach));
         Pursuit { centres_um: via_um, approach, next: 0, phase: Phase::Facing }
     }
 
-    /// Begins again, by way of these centres; that of the approach itself is appended.
+    /// Restarts via these centres; that of the approach itself is appended.
     pub fn restart(&mut self, driver: &Driver, via_um: &[[f64; 2]], approach: Pose) {
         self.centres_um.clear();
         self.centres_um.extend_from_slice(via_um);
@@ -79,13 +79,14 @@ impl Pursuit {
         self.centres_um[self.centres_um.len() - 1]
     }
 
-    /// Actions of the robot until the next measurement, one after the other, of at most `most_um` path length; shorter where it rests for the
-    /// measurement.
+    /// Returns the robot's actions until the next measurement, in order, of at most `most_um` path length; they are
+    /// shorter if the robot rests for the measurement.
     pub fn pieces(&mut self, driver: &Driver, measured: Pose, most_um: f64) -> [StrategyPiece; 2] {
         self.pieces_without(driver, measured, most_um, |_| false)
     }
 
-    /// The same without the circles that may be put off: it runs on, and only if the errors of the run bring it past its direction, one is due later.
+    /// The same without the circles that may be put off: the robot runs on, and a circle is due later only if the
+    /// errors of the run bring it past its direction.
     pub fn pieces_without(
         &mut self,
         driver: &Driver,
@@ -102,7 +103,7 @@ impl Pursuit {
         }
     }
 
-    /// The turn that is due before it runs on, nominally; in micrometres of the robot's path.
+    /// Nominal turn that is due before the robot runs on, in micrometres of its path.
     pub fn due_turn_um(&self, driver: &Driver, measured: Pose) -> f64 {
         match self.phase {
             Phase::Facing | Phase::Running if self.next < self.centres_um.len() => {
@@ -162,7 +163,7 @@ impl Pursuit {
         [turning, StrategyPiece { arm: Arm::Up, way_um: run_um.min(left_um) }]
     }
 
-    /// The angle to turn, never beyond the lag whatever the errors.
+    /// Angle to turn; never beyond the lag, whatever the errors.
     fn turn_rad(&self, driver: &Driver, target: &PursuitTarget) -> f64 {
         let lag_rad = driver.lag_rad(target.distance_um);
         let is_noise = target.ahead_rad >= TAU - driver.aim_error_rad(target.distance_um) - 1e-9;
@@ -253,11 +254,11 @@ impl Driver<'_> {
 pub struct PursuitCircle {
     /// Nominal, in micrometres of the robot's path.
     pub way_um: f64,
-    /// The target lies ahead, by less than the lag: without the circle it may be reached as well.
+    /// The target lies ahead by less than the lag, so it may be reached without the circle.
     pub is_for_lag: bool,
 }
 
-/// Target of a centre.
+/// Target of a turning centre.
 struct PursuitTarget {
     distance_um: f64,
     /// Angle to turn until the heading points to it; from 0 to a full turn.
@@ -265,7 +266,7 @@ struct PursuitTarget {
 }
 
 impl PursuitTarget {
-    /// The circle that a turn towards it is, if it lies almost ahead.
+    /// The circle that a turn towards the target amounts to, if the target lies almost ahead.
     fn circle(&self, driver: &Driver, turn_rad: f64) -> Option<PursuitCircle> {
         let lag_rad = driver.lag_rad(self.distance_um);
         let is_ahead = self.ahead_rad < lag_rad;

@@ -1,17 +1,17 @@
 //! Rounding of a path to whole strokes.
 //!
-//! The problem: a stroke moves a robot by some nanometres and turns it by step / radius; a heading that is off by half of that is
-//! off by micrometres at the end of a long leg.
+//! Problem: a stroke moves a robot by some nanometres and turns it by step / radius; a heading that is off by half of
+//! that is off by micrometres at the end of a long leg.
 //!
-//! Method: as in `free`, the path is the polyline of the centres of the robot's turning circle, and its headings are counted in
-//! strokes of turning. Edge by edge, the polyline's next corner is aimed at from the robot's exact position, so errors do not
-//! accumulate. An edge whose rounded heading would miss its corner by too much is run in two parts with one stroke of turning
-//! between them: the two neighbouring headings span every direction between them, so only the rounding of their lengths remains.
-//! The last corner is that of the rounded last heading.
+//! Method: as in `free`, the path is the polyline of the centres of the robot's turning circle, and its headings are
+//! counted in strokes of turning. Edge by edge, the polyline's next corner is aimed at from the robot's exact position,
+//! so errors do not accumulate. An edge whose rounded heading would miss its corner by too much is run in two parts
+//! with one stroke of turning between them: the two neighbouring headings span every direction between them, so only
+//! the rounding of their lengths remains. The last corner is that of the rounded last heading.
 //!
-//! Promise: the end is within the given precision of the goal, or nothing is returned; it is computed from the robot's exact steps.
-//! The path differs from the given one by less than [`ASTRAY`] of the precision at its corners, apart from rounding of single
-//! strokes.
+//! Promise: the end is within the given precision of the goal, or nothing is returned; it is computed from the robot's
+//! exact steps. The path differs from the given one by less than [`ASTRAY`] of the precision at its corners, apart from
+//! rounding of single strokes.
 
 use super::free::{ArmSegment, turn_rad};
 use crate::claims::microrobots::Precision;
@@ -52,7 +52,7 @@ pub fn end(robot: &Robot, from: Pose, trains: &[StrokeTrain]) -> Pose {
     trains.iter().fold(from, |pose, train| robot.moved(pose, train.arm, train.segment(robot).way_um))
 }
 
-/// How far a pose is from a goal, whatever the headings.
+/// Distance of a pose from a goal; headings are ignored.
 fn missed_um(pose: Pose, goal: Pose) -> f64 {
     (pose.x_um - goal.x_um).hypotenuse(pose.y_um - goal.y_um)
 }
@@ -93,18 +93,19 @@ pub fn whole(
     best.map(|(_, trains)| trains)
 }
 
-/// Headings on each side of the goal's at which a short drive may end that are looked at.
+/// Number of headings, on each side of the goal's, that are tried for the end of a short drive.
 const HEADINGS: i32 = 16;
 
-/// Drives of one or two trains that end within the precision of a goal: a turn and then a run, and the other way round, with up to half a
-/// turn or with more, each where it ends nearest to the goal. None where the goal is reached by no such drive.
+/// Drives of one or two trains that end within the precision of a goal: a turn and then a run, or a run and then a
+/// turn, with up to half a turn or with more, each where it ends nearest to the goal. Empty if no such drive reaches
+/// the goal.
 ///
-/// What a path to the goal itself needs three trains for, or a full turn, is often within the precision at the end of one.
+/// Where the goal itself needs three trains or a full turn, one or two trains often end within the precision of it.
 pub fn short(robot: &Robot, from: Pose, goal: Pose, precision: Precision) -> Vec<Vec<StrokeTrain>> {
     let offsets = (-HEADINGS..=HEADINGS).map(|at| precision.heading_rad * f64::from(at) / f64::from(HEADINGS));
     let mut headings: Vec<f64> = offsets.map(|off_rad| goal.heading_rad + off_rad).collect();
     headings.push(from.heading_rad);
-    // By order of the trains, and by whether the turn is a long one.
+    // Indexed by the order of the trains and by whether the turn is more than half a turn.
     let mut found: [Option<(f64, Vec<StrokeTrain>)>; 4] = [const { None }; 4];
     for heading_rad in headings {
         let turn_um = turn_rad(robot, from.heading_rad, heading_rad) * robot.turning_radius_um;
@@ -125,7 +126,8 @@ pub fn short(robot: &Robot, from: Pose, goal: Pose, precision: Precision) -> Vec
     found
 }
 
-/// A turn of this length and a run, in this order, that end as near to a goal as they can; without a train that is no stroke long.
+/// A turn of this length and a run, in this order, that end as near to a goal as they can. A train shorter than a
+/// stroke is left out.
 fn turn_and_run(robot: &Robot, from: Pose, goal: Pose, turn_um: f64, order: [Arm; 2]) -> Vec<StrokeTrain> {
     let turn = (turn_um / robot.step_um).round();
     let turned = robot.moved(from, Arm::Down, turn * robot.step_um);

@@ -40,7 +40,7 @@ proptest! {
         let [turned, ran] = [(Arm::Down, turn), (Arm::Up, run)].map(|(arm, strokes)| StrokeTrain { arm, strokes });
         let known = [vec![turned, ran], vec![ran, turned], vec![turned], vec![ran]][kind].clone();
         let end_there = end(&robot, from, &known);
-        // A run may have to end some of the way to its side.
+        // The goal may lie to the side of a run.
         let goal = Pose {
             x_um: end_there.x_um + off.0 * precision.place_um / 2.0,
             y_um: end_there.y_um + off.1 * precision.place_um / 2.0,
@@ -50,7 +50,7 @@ proptest! {
         prop_assert!(found.iter().all(|trains| is_within(end(&robot, from, trains), goal, precision) && trains.len() <= 2));
         let strokes = |trains: &[StrokeTrain]| trains.iter().map(|train| train.strokes).sum::<u64>() as f64 * robot.step_um;
         let most_um = strokes(&known) + 2.0 * precision.place_um + 3.0 * robot.turning_radius_um * precision.heading_rad;
-        // A turn that is all but none may become a full one: only a heading that is the goal's exactly needs none.
+        // A turn of nearly nothing may become a full one: only a heading equal to the goal's needs none.
         let is_clear = turn as f64 * robot.step_um / robot.turning_radius_um > 3.0 * precision.heading_rad;
         if is_clear || kind == 3 {
             prop_assert!(found.iter().any(|trains| strokes(trains) <= most_um), "{known:?} {found:?} {goal:?}");
@@ -72,7 +72,8 @@ proptest! {
                 prop_assert!(trains.len() <= way.len() + 4, "{way:?} {trains:?}");
                 let strokes: u64 = trains.iter().map(|train| train.strokes).sum();
                 let extra_um = strokes as f64 * robot.step_um - length_um(&way);
-                // An edge in two parts, half a stroke of turning to either side, is longer by half of that angle squared.
+                // An edge in two parts, half a stroke of turning to either side, is longer by half of that angle
+                // squared.
                 let bent_um = length_um(&way) * (robot.step_um / robot.turning_radius_um).powi(2) / 8.0;
                 let rounded_um = robot.step_um * trains.len() as f64 + 0.1;
                 prop_assert!(extra_um.abs() < rounded_um + bent_um, "{extra_um} {bent_um} {way:?}");

@@ -1,9 +1,10 @@
 //! Candidate corners of a path's polyline.
 //!
-//! For each point p that a path may pass around (corners of obstacles and bodies, points around discs): turning centres at the
-//! distance from p at which the robot just turns around it, with p inside its orbit; centres at the distance at which the whole
-//! orbit stays clear of it; and centres on the lines along which the robot just passes it on either side. In addition: points on
-//! the first and the last heading, and a coarse lattice. A candidate is kept only if the robot can be there with some heading.
+//! For each point p that a path may pass around (corners of obstacles and bodies, points around discs): turning centres
+//! at the distance from p at which the robot just turns around it, with p inside its orbit; centres at the distance at
+//! which the whole orbit stays clear of it; and centres on the lines along which the robot just passes it on either
+//! side. In addition: points on the first and the last heading, and a coarse lattice. A candidate is kept only if the
+//! robot can be there with some heading.
 
 use super::DriveTask;
 use crate::geometry::{Core, Rounded};

@@ -1,4 +1,5 @@
-//! Visibility graph: pairs of corners between which a robot can run straight, and the shortest polyline lengths over them.
+//! Visibility graph: pairs of corners between which a robot can run straight, and the shortest polyline lengths over
+//! them.
 //!
 //! An edge has one heading, whatever the turns before and after it, so each pair is tested once.
 

@@ -1,18 +1,19 @@
 //! The shortest path of one robot around obstacles, discs and bodies at rest.
 //!
-//! Input: the bed, a robot, two poses, and fixtures on the bed besides the obstacles. Output: a path whose every segment is free,
-//! with a lower bound on its length; or why there is none.
+//! Input: the bed, a robot, two poses, and fixtures on the bed besides the obstacles. Output: a path whose every
+//! segment is free, with a lower bound on its length; or why there is none.
 //!
-//! Method: the free optimum first (`free`): if it is unobstructed it is optimal. Otherwise A* over polylines of the centres of the
-//! robot's turning circle, as in `free`: the corners come from a finite set around the fixtures (`corners`), and a state is a
-//! corner with the heading that led there. The heuristic is the larger of the free optimum and the shortest polyline over free
-//! edges (`graph`). The first state from which the free optimum is unobstructed ends the search. A turn is tested only when its end
-//! is expanded (lazy A*; Cohen, Phillips, Likhachev, 2014). Several searches follow one another, each with more corners and a
-//! larger heuristic weight (`STAGES`): corners that cost the least alone come first. The result is then shortened by moving its
-//! corners (`shorten`).
+//! Method: the free optimum first (`free`): if it is unobstructed it is optimal. Otherwise A* over polylines of the
+//! centres of the robot's turning circle, as in `free`: the corners come from a finite set around the fixtures
+//! (`corners`), and a state is a corner with the heading that led there. The heuristic is the larger of the free
+//! optimum and the shortest polyline over free edges (`graph`). The first state from which the free optimum is
+//! unobstructed ends the search. A turn is tested only when its end is expanded (lazy A*; Cohen, Phillips, Likhachev,
+//! 2014). Several searches follow one another, each with more corners and a larger heuristic weight (`STAGES`): corners
+//! that cost the least alone come first. The result is then shortened by moving its corners (`shorten`).
 //!
-//! Promise: a returned path is free. Not promised: that one is found where there is one, or that it is the shortest, unless its
-//! length equals the bound. Cost grows with corners² × headings; each expanded state is a step of the budget.
+//! Promise: a returned path is free. Not promised: that one is found where there is one, or that it is the shortest,
+//! unless its length equals the bound. Cost grows with corners² × headings; each expanded state is a step of the
+//! budget.
 
 mod corners;
 mod graph;
@@ -118,7 +119,8 @@ impl<'a> DriveTask<'a> {
         Err(NoWay::Blocked(blocked))
     }
 
-    /// The free optimum if it is unobstructed, or the other free path if it is as short; otherwise the obstruction of the optimum.
+    /// The free optimum if it is unobstructed, or the other free path if it is as short; otherwise the obstruction of
+    /// the optimum.
     pub fn direct(&self) -> Result<FreeWay, Obstruction> {
         let words = free::words(self.facts(), self.from, self.to);
         let radius_um = self.facts().turning_radius_um;
@@ -132,7 +134,7 @@ impl<'a> DriveTask<'a> {
         });
         let [one, other] = tried;
         one.or_else(|blocked| match other {
-            // The longer one is a valid path, though perhaps not the best one around: then the search decides.
+            // The longer one is a valid path, but perhaps not the best one around the obstruction: the search decides.
             Ok(found) if found.length_um <= bound_um + free::SLACK_UM => Ok(found),
             Ok(_) | Err(_) => Err(blocked),
         })
@@ -160,7 +162,7 @@ impl<'a> DriveTask<'a> {
         Pose { x_um: x_um - dx, y_um: y_um - dy, heading_rad }
     }
 
-    /// The turn and the run from a pose to a turning centre; `None` if it is there.
+    /// The turn and the run from a pose to a turning centre; `None` if the robot's centre is there already.
     fn leg_to(&self, from: Pose, middle_um: [f64; 2]) -> Option<[ArmSegment; 2]> {
         let here_um = self.facts().orbit_centre_um(from);
         let [dx, dy] = [0, 1].map(|axis| middle_um[axis] - here_um[axis]);
@@ -269,7 +271,7 @@ impl<'a> CornerSearch<'a> {
         self.done.insert(Self::key(state), state.cost_um);
     }
 
-    /// Whether the last leg to a state is free. Runs between corners are known from the graph.
+    /// Whether the last leg to a state is free. Runs between corners were already tested for the graph.
     fn is_reached(&self, state: &CornerState) -> bool {
         let Some(before) = self.states.get(state.before as usize) else { return true };
         let leg = self.task.leg_to(before.pose, self.corners[state.corner as usize]);

@@ -5,14 +5,15 @@ use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::{Leg, RobotDocking};
 
-/// Poses of the robots, and the recent legs during which some arm stayed down: its turn continues to count in the legs that follow.
+/// Poses of the robots, and the recent legs during which some arm stayed down: its turn continues to count in later
+/// legs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BedPoses {
     /// Pose of each robot of the order.
     pub poses: Vec<Pose>,
     /// Whether it is docked.
     pub docked: Vec<bool>,
-    /// The same before the recorded legs.
+    /// Poses and docked robots before the recorded legs.
     before: (Vec<Pose>, Vec<bool>),
     legs: Vec<Leg>,
     docks: Vec<RobotDocking>,
@@ -29,8 +30,8 @@ impl BedPoses {
         *self = BedPoses::new(std::mem::take(&mut self.poses), std::mem::take(&mut self.docked));
     }
 
-    /// The first forbidden meeting in the legs from here on. Its leg is an index into these; if the orbit disc of a robot was
-    /// already violated before them, it is the first one.
+    /// First forbidden meeting in the coming legs. Its leg is an index into them; 0 if an orbit disc was already
+    /// violated in the recorded legs.
     pub fn first_hit(&self, world: &World, legs: &[Leg], docks: &[RobotDocking]) -> Option<FirstMeeting> {
         let past = self.legs.len();
         if past == 0 {
@@ -55,7 +56,7 @@ impl BedPoses {
         self.forget(world);
     }
 
-    /// Drops the legs before the first one since which some arm has stayed down.
+    /// Drops the recorded legs before the earliest one since which some arm has stayed down.
     fn forget(&mut self, world: &World) {
         let held = |robot: &usize| {
             let down = |leg: &&Leg| world.arm(leg.state, *robot) == Arm::Down;

@@ -1,17 +1,17 @@
 //! Collision model of the bed during planning: its bodies, and the first collision of a plan's legs.
 //!
-//! Input: the robots, obstacles and control states of an order; the poses of the robots; legs. Output: the first meeting that the
-//! collision rules forbid, or none. The rules: a moving body keeps the clearance from obstacles and other bodies; the disc of a
-//! robot that turns by a full turn or more keeps the orbit clearance from everything; a robot that docks may approach the structure
-//! in the last stretch.
+//! Input: the robots, obstacles and control states of an order; the poses of the robots; legs. Output: the first
+//! meeting that the collision rules forbid, or none. The rules: a moving body keeps the clearance from obstacles and
+//! other bodies; the disc of a robot that turns by a full turn or more keeps the orbit clearance from everything; a
+//! robot that docks may approach the structure in the last stretch.
 //!
-//! Method: conservative advancement (Mirtich, 1996): the distance at an instant, divided by the greatest relative speed, is a time
-//! during which nothing can happen. Two bodies that both run straight need no such steps: their distance is convex in time. A body
-//! that runs straight past something at rest sweeps a rectangle.
+//! Method: conservative advancement (Mirtich, 1996): the distance at an instant, divided by the greatest relative
+//! speed, is a time during which nothing can happen. Two bodies that both run straight need no such steps: their
+//! distance is convex in time. A body that runs straight past something at rest sweeps a rectangle.
 //!
-//! Promise: stricter than the rules by [`MARGIN_UM`], so that rounding decides nothing. A case that is not decided within
-//! `MAX_SAMPLES` instants of one pair in one leg counts as a meeting. Cost: pairs of robots + robots × obstacles for each leg, most
-//! of them decided by bounding volumes alone.
+//! Promise: stricter than the rules by [`MARGIN_UM`], so that rounding decides nothing. A case that is not decided
+//! within `MAX_SAMPLES` instants of one pair in one leg counts as a meeting. Cost: pairs of robots + robots × obstacles
+//! for each leg, most of them decided by bounding volumes alone.
 
 mod bed;
 mod pairs;
@@ -157,7 +157,8 @@ impl World {
         self.arms[state * self.bodies.len() + robot]
     }
 
-    /// Whether a control state keeps the arms of all docked robots up: strokes with such an arm down would turn the structure.
+    /// Whether a control state keeps the arms of all docked robots up; a stroke with one of them down would turn the
+    /// structure.
     pub fn spares(&self, state: usize, docked: &[bool]) -> bool {
         (0..self.count()).all(|robot| !docked[robot] || self.arm(state, robot) == Arm::Up)
     }
@@ -185,7 +186,7 @@ impl World {
         }
     }
 
-    /// The first forbidden meeting in legs, without those before them.
+    /// First forbidden meeting during the legs; turns before them do not count.
     pub fn first_hit(
         &self,
         start: &[Pose],
@@ -227,7 +228,8 @@ struct LegCursor<'a> {
     docks: &'a [RobotDocking],
     poses: Vec<Pose>,
     docked: Vec<bool>,
-    /// By leg, then by robot: whether its arm stays down for a full turn in total.
+    /// By leg, then by robot: whether the leg belongs to a stretch in which the robot's arm stays down for a full turn
+    /// or more.
     orbits: Vec<bool>,
     tracks: Vec<RobotTrack>,
     /// For each robot, the instant of this leg from which it may come near the structure.
@@ -272,7 +274,7 @@ impl<'a> LegCursor<'a> {
         }
     }
 
-    /// The first meeting of a leg; if there is none, the state advances to its end.
+    /// Returns the first meeting of a leg, if any, and advances the state to its end.
     fn follow(&mut self, leg: usize) -> Option<FirstMeeting> {
         let Leg { state, strokes } = self.legs[leg];
         self.tracks.clear();
@@ -287,7 +289,7 @@ impl<'a> LegCursor<'a> {
         hit
     }
 
-    /// Instant of a leg from which a robot is in the last stretch of its path; docked robots always are.
+    /// Instant of a leg from which a robot is in the last stretch of its path; minus infinity for docked robots.
     fn fine_from(&self, leg: usize, robot: usize) -> f64 {
         if self.docked[robot] {
             return f64::NEG_INFINITY;

@@ -83,7 +83,7 @@ fn bodies_near(one: &RobotTrack, two: &RobotTrack, span: [f64; 2], keep_um: f64)
 }
 
 impl ForbiddenMeeting {
-    /// The first robot, and the other one, or the first one again.
+    /// The first robot and the other one; the first one twice if there is no other.
     pub fn robots(&self) -> (usize, usize) {
         match *self {
             ForbiddenMeeting::Obstacle { robot, .. } | ForbiddenMeeting::OrbitObstacle { robot, .. } => (robot, robot),

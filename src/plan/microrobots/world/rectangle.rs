@@ -55,13 +55,13 @@ impl OrientedRectangle {
         (along_um.abs() - self.half_um[0]).max(0.0).hypotenuse((left_um.abs() - self.half_um[1]).max(0.0))
     }
 
-    /// Distance to a body, 0 on contact; negative if it has a radius and its core is nearer.
+    /// Distance to a body, 0 on contact; negative if the body is rounded and its core is nearer than its radius.
     pub fn to_rounded_um(&self, body: &Rounded) -> f64 {
         quadrilateral_core(self.corners().map(|[x, y]| Point2::new(x, y)), &body.core) - body.radius_um
     }
 
-    /// As [`Self::to_rounded_um`], or something less that is above `enough_um`: how far the body lies beyond one of the sides, which is much
-    /// cheaper to know.
+    /// Like [`Self::to_rounded_um`], but may return a lower bound above `enough_um` instead: the distance of the body
+    /// beyond one of the sides, which is much cheaper.
     pub fn nearly_to_rounded_um(&self, body: &Rounded, enough_um: f64) -> f64 {
         let [a_um, b_um] = self.half_um;
         let (mut back_um, mut front_um, mut right_um, mut left_um) =
@@ -80,7 +80,7 @@ impl OrientedRectangle {
         }
         let theirs_um = nearest_um2.sqrt();
         if beyond_um > 0.0 {
-            // A line lies between the two, so that a corner of one of them is nearest to the other.
+            // A line separates the two, so the nearest point of one of them is a corner.
             let own = self.corners().into_iter().map(|[x, y]| point_outline(Point2::new(x, y), &body.core));
             return own.fold(theirs_um, f64::min) - body.radius_um;
         }
@@ -90,7 +90,7 @@ impl OrientedRectangle {
         }
     }
 
-    /// The line through its middle, along its length.
+    /// Centre line along its length.
     fn spine(&self) -> Segment {
         let ([x_um, y_um], [cos, sin], along_um) = (self.centre_um, self.axis, self.half_um[0]);
         [-along_um, along_um].map(|along_um| Point2::new(x_um + along_um * cos, y_um + along_um * sin))
@@ -98,8 +98,8 @@ impl OrientedRectangle {
 
     /// Distance between two rectangles; negative where they overlap, by the least translation that separates them.
     ///
-    /// The overlap of two convex polygons is the least of their overlaps along the normals of their sides; if they do not overlap,
-    /// a corner of one is nearest to the other.
+    /// The overlap of two convex polygons is the least of their overlaps along the normals of their sides; if they do
+    /// not overlap, a corner of one is nearest to the other.
     pub fn to_rectangle_um(&self, other: &OrientedRectangle) -> f64 {
         let apart_um = self.apart_um(other).max(other.apart_um(self));
         if apart_um <= 0.0 {

@@ -10,16 +10,16 @@ use crate::real::Real;
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
-/// Which instant of a meeting is asked for.
+/// Instant of a meeting that a query asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum MeetingInstant {
-    /// That from which the bodies are too near.
+    /// The first instant at which the bodies are too near.
     First,
-    /// Any from then on: enough to know whether they meet at all, and much cheaper.
+    /// Any instant from then on: enough to know whether they meet at all, and much cheaper.
     Any,
 }
 
-/// How near is too near, and what is asked of it.
+/// Query for a meeting: the required clearance and the instant asked for.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Nearness {
     /// Required clearance, in micrometres.
@@ -28,18 +28,18 @@ pub(super) struct Nearness {
 }
 
 impl Nearness {
-    /// Nearer than `keep_um`, and when first.
+    /// Asks for the first instant nearer than `keep_um`.
     pub fn first(keep_um: f64) -> Nearness {
         Nearness { keep_um, instant: MeetingInstant::First }
     }
 
-    /// Nearer than `keep_um` at any instant.
+    /// Asks whether there is an instant nearer than `keep_um`.
     fn any(keep_um: f64) -> Nearness {
         Nearness { keep_um, instant: MeetingInstant::Any }
     }
 }
 
-/// A robot that is farther from an obstacle than the clearance and this goes on by what is known of the distance for less work.
+/// Beyond the clearance plus this distance, a cheap lower bound replaces the distance of a robot from an obstacle.
 const ENOUGH_UM: f64 = 2.0;
 
 /// A disc, as swept by an orbiting robot.
@@ -63,7 +63,7 @@ impl OrbitDisc {
     }
 }
 
-/// Things at rest on the bed besides the obstacles while one robot is driven.
+/// Things at rest on the bed, besides the obstacles, while one robot is driven.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Fixtures {
     /// Orbit discs of robots; they keep the orbit clearance.
@@ -126,7 +126,7 @@ impl World {
         self.obstruction(robot, pose, ArmSegment { arm: Arm::Up, way_um: 0.0 }, fixtures)
     }
 
-    /// Obstruction of the disc of an orbiting robot, apart from other moving robots.
+    /// Obstruction of the disc of an orbiting robot; other moving robots are not considered.
     pub fn obstruction_of_orbit(&self, disc: &OrbitDisc, fixtures: &Fixtures) -> Option<Obstruction> {
         let keep_um = self.orbit_keep_um + MARGIN_UM;
         let obstacle = self.obstacles.iter().position(|other| disc.to_rounded_um(&other.body) < keep_um);
@@ -158,7 +158,7 @@ pub(super) fn meets_obstacle(track: &RobotTrack, obstacle: &WorldObstacle, asked
     if point_segment(Point2::new(*x, *y), segment) - bound_um >= near_um {
         return None;
     }
-    // What runs is asked for all that it sweeps at once.
+    // A robot that runs straight is checked below, with all that it sweeps at once.
     if track.kind == MotionKind::Turns && point_core(segment[0], &body.core) - body.radius_um >= near_um {
         return None;
     }
@@ -190,7 +190,7 @@ fn meets_rectangle(track: &RobotTrack, body: &OrientedRectangle, asked: Nearness
 fn meets(track: &RobotTrack, asked: Nearness, distance_um: impl Fn(&OrientedRectangle) -> f64) -> Option<f64> {
     let Nearness { keep_um, instant } = asked;
     if track.kind == MotionKind::Turns {
-        // After a full turn everything repeats.
+        // After a full turn the motion repeats.
         let strokes = track.strokes.min(TAU * track.speed_um.recip() * track.reach_um);
         return first_near([0.0, strokes], track.speed_um, keep_um, |at| distance_um(&track.at(at)));
     }

@@ -165,7 +165,7 @@ fn who_docks_may_touch_but_not_overlap() {
     assert!(docks(9.99, false).is_some());
 }
 
-/// What is known for less work is the distance where that matters, and never more than it.
+/// The cheap distance equals the exact one where that matters, and never exceeds it.
 #[test]
 fn the_cheap_distance_is_the_distance_where_it_is_small() {
     let mut random = crate::random::SplitMix64::new(7);

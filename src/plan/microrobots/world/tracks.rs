@@ -38,7 +38,7 @@ pub(super) struct RobotTrack {
 }
 
 impl RobotTrack {
-    /// A robot without an arm position rests.
+    /// Track of a robot; without an arm position it rests.
     pub(super) fn new(body: &RobotDimensions, pose: Pose, arm: Option<Arm>, strokes: f64) -> Self {
         let robot = &body.robot;
         let (kind, speed_um) = match arm {
@@ -110,9 +110,11 @@ pub(super) fn far_apart(one: &RobotTrack, other: &RobotTrack, keep_um: f64) -> b
     segment_segment(a, b) - a_um - b_um >= keep_um + MARGIN_UM
 }
 
-/// The first instant of a span at which a distance that changes by at most `speed_um` per stroke may be less than `keep_um`.
+/// First instant of a span at which a distance that changes by at most `speed_um` per stroke may be less than
+/// `keep_um`.
 ///
-/// Nearer than half the margin counts as too near; the steps keep a quarter of it in reserve, so that none is shorter than that.
+/// Nearer than half the margin counts as too near. Steps keep a quarter of the margin in reserve, so each advances by
+/// at least another quarter.
 pub(super) fn first_near(
     [from, to]: [f64; 2],
     speed_um: f64,
@@ -141,7 +143,8 @@ pub(super) fn first_near_convex([from, to]: [f64; 2], keep_um: f64, distance_um:
     }
     let share = (5.0_f64.sqrt() - 1.0) / 2.0;
     let (mut low, mut high) = (from, to);
-    // Instants of very long legs are spaced wider than the tolerance: the floating-point numbers run out before the loop would end.
+    // On very long legs, adjacent floating-point instants are farther apart than the tolerance; the bound ends the
+    // loop.
     let mut sections = 0..MAX_SECTIONS;
     let near = loop {
         let (left, right) = (high - share * (high - low), low + share * (high - low));

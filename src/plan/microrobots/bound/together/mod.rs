@@ -1,22 +1,24 @@
-//! Lower bound on the strokes after which several robots have come to their goals, from what one voltage lets them do.
+//! Lower bound on the strokes after which several robots have reached their goals, from what one voltage lets them do.
 //!
-//! The problem: every robot moves with every stroke, so robots that need ways of different lengths hold one another up. Input: robots of
-//! an order, from where to where, both with slacks. Output: strokes that no schedule is below, whatever control states it drives and in
-//! whatever order the robots arrive.
+//! Problem: every robot moves with every stroke, so robots whose paths differ in length hold one another up. Input:
+//! robots of an order with their starts and goals, both with slacks. Output: a number of strokes that no schedule
+//! undercuts, whatever control states it drives and in whatever order the robots arrive.
 //!
 //! Method: let robot i arrive after t_i strokes, of which it turns in q_i and runs straight in p_i = t_i - q_i. Then
-//! 1. q_i is, up to the slack, the turn from its first heading to its last one and a number k_i of full circles, since it turns in one
-//!    sense only; and p_i is at least what its turning centre must be moved with that many circles ([`free::least_ways`]).
-//! 2. If the arm of i is down in every control state in which that of j is, then q_i ≥ q_j: while neither has arrived, i turns with every
-//!    stroke with which j does. If i has arrived first and stays (it docked, so its arm must be up), no such state is driven any more, and
-//!    j turns no more either. If j arrives first, q_i still grows.
+//! 1. q_i is, up to the slack, the turn from its first heading to its last one and a number k_i of full circles, since
+//!    it turns in one sense only; and p_i is at least what its turning centre must be moved with that many circles
+//!    ([`free::least_ways`]).
+//! 2. If the arm of i is down in every control state in which that of j is, then q_i ≥ q_j: while neither has arrived,
+//!    i turns with every stroke with which j does. If i has arrived first and stays (it docked, so its arm must be up),
+//!    no such state is driven any more, and j turns no more either. If j arrives first, q_i still grows.
 //! 3. The strokes are at least the greatest p_i + q_i.
 //!
-//! So robots are visited by the number of states that lower their arms. Of each robot the numbers of circles that matter are 0, 1, and for
-//! each choice of its predecessor (the last one visited whose arm takes part in 2.) the least that turns as far as that one does; the
-//! least greatest sum over all choices is found robot by robot. Robots that do not stay where they arrive break 2. and are left out by the
-//! caller. Not used: where the straight ways of all robots must point, obstacles, and the order in which they touch; so the bound need not
-//! be attained. Cost: the square of the number of robots.
+//! So robots are visited in order of the number of states that lower their arms. For each robot the numbers of circles
+//! that matter are 0, 1 and, for each choice of its predecessor (the last one visited to which 2. applies), the least
+//! that turns as far as that choice does. The minimum over all choices of the greatest sum is found robot by robot.
+//! Robots that do not stay where they arrive break 2., and the caller leaves them out. Not used: the directions of the
+//! straight parts, obstacles, and the order in which robots touch; so the bound need not be attained. Cost: the square
+//! of the number of robots.
 
 use crate::claims::microrobots::{MicrorobotsOrder, Precision};
 use crate::device::microrobots::Arm;
@@ -30,10 +32,10 @@ const ROUNDING_STROKES: f64 = 1e-3;
 const ROUNDING_UM: f64 = 1e-6;
 const ROUNDING_SHARE: f64 = 1e-8;
 
-/// A pose that is known exactly.
+/// Slack of a pose that is known exactly.
 pub const EXACT: Precision = Precision { place_um: 0.0, heading_rad: 0.0 };
 
-/// A robot on its way to where it stays.
+/// A robot on its way to the place where it stays.
 #[derive(Debug, Clone, Copy)]
 pub struct RobotArrival {
     /// Index into the order's robots.
@@ -50,7 +52,7 @@ impl RobotArrival {
     }
 }
 
-/// Number of circles of a robot, and the least strokes of it and of those visited before it.
+/// A number of circles of a robot, with the least strokes that it and the robots visited before it then need.
 #[derive(Debug, Clone, Copy)]
 struct CircleChoice {
     /// Fewest strokes in which it turns.
@@ -58,7 +60,7 @@ struct CircleChoice {
     strokes: f64,
 }
 
-/// What a robot needs, in strokes.
+/// Strokes that a robot needs.
 struct StrokesNeeded {
     ways: LeastWays,
     /// Rounding allowance of a path.
@@ -77,14 +79,14 @@ impl StrokesNeeded {
         way_um / self.step_um
     }
 
-    /// With so many circles: the fewest strokes in which it turns, and of its whole way.
+    /// Fewest turning strokes, and fewest strokes of the whole path, with this many full circles.
     fn with(&self, circles: u64) -> CircleChoice {
         let turn_um = self.ways.turn_um[0] + self.ways.circle_um * circles as f64 - self.allowed_um;
         let way_um = self.ways.length_um(circles) - self.allowed_um;
         CircleChoice { turning: self.strokes(turn_um.max(0.0)), strokes: self.strokes(way_um.max(0.0)) }
     }
 
-    /// The fewest circles with which it can turn for so many strokes.
+    /// Fewest full circles with which it can turn for `turning` strokes.
     fn circles(&self, turning: f64) -> u64 {
         let lacking_um = turning * self.step_um - self.allowed_um - self.ways.turn_um[1];
         (lacking_um / self.ways.circle_um).ceil().max(0.0) as u64
@@ -106,7 +108,7 @@ pub fn least_strokes(order: &MicrorobotsOrder, mut arrivals: Vec<RobotArrival>) 
     (least - ROUNDING_STROKES).ceil().max(0.0) as u64
 }
 
-/// The choices of a robot after those of its predecessor.
+/// Choices of a robot after those of its predecessor; one that turns less far than each of these has infinite strokes.
 fn choices(needed: &StrokesNeeded, earlier: &[CircleChoice]) -> Vec<CircleChoice> {
     let mut circles: Vec<u64> =
         [0, 1].into_iter().chain(earlier.iter().map(|choice| needed.circles(choice.turning))).collect();

@@ -1,7 +1,9 @@
-//! The bound against sequences of control states: drawn at random, made so that it is attained, and all of those on coarse beds.
+//! The bound compared with sequences of control states: random ones, ones that attain it, and all of them on coarse
+//! beds.
 //!
-//! The oracle has a motion of its own and shares nothing with the planner. It lets robots arrive wherever they are within the precision, whether
-//! or not they touch, so it has every plan that a verifier accepts, and more. `TWEEZE_ORACLE_CASES=2000` runs more cases.
+//! The oracle has its own motion and shares nothing with the planner. It lets robots arrive wherever they are within
+//! the precision, whether or not they touch, so it has every plan that a verifier accepts, and more.
+//! `TWEEZE_ORACLE_CASES=2000` runs more cases.
 
 use super::*;
 use crate::device::microrobots::Turning;
@@ -9,7 +11,7 @@ use crate::plan::microrobots::world::fixture::{bed, robot};
 use crate::random::SplitMix64;
 use std::f64::consts::TAU;
 
-/// How many random beds of each kind are looked at.
+/// Number of random beds of each kind.
 fn cases(usual: u64) -> u64 {
     std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
@@ -23,7 +25,7 @@ struct Disc {
 }
 
 impl Disc {
-    /// So many strokes, on its circle or straight on.
+    /// Pose after strokes on its circle or straight on.
     fn gone(self, [x, y, heading]: [f64; 3], strokes: f64, is_down: bool) -> [f64; 3] {
         let way_um = strokes * self.stroke_um;
         if !is_down {
@@ -105,14 +107,14 @@ impl Coarse {
         least_strokes(&order, (0..goals.len()).map(arrival).collect())
     }
 
-    /// Fewest strokes of all sequences below a number of them, after which all have arrived.
+    /// Fewest strokes, at most `most`, of all sequences after which all robots have arrived.
     fn fewest(&self, goals: &[[f64; 3]], most: u64) -> u64 {
         let mut best = most;
         self.search(goals, &self.starts, &vec![false; goals.len()], 0, &mut best);
         best
     }
 
-    /// Of robots that are there, any may stay.
+    /// Any of the robots that are at their goals may stay.
     fn search(&self, goals: &[[f64; 3]], poses: &[[f64; 3]], arrived: &[bool], strokes: u64, best: &mut u64) {
         let is_there = |robot: usize| !arrived[robot] && self.is_at(poses[robot], goals[robot]);
         let there: Vec<bool> = (0..goals.len()).map(is_there).collect();
@@ -130,7 +132,7 @@ impl Coarse {
             *best = strokes.min(*best);
             return;
         }
-        // One stroke more is fewer than the best only then.
+        // With one stroke more, the sequence would not beat the best.
         if strokes + 1 >= *best {
             return;
         }
@@ -148,7 +150,7 @@ impl Coarse {
     }
 }
 
-/// What legs with arrivals come to: where every robot arrives, and the strokes until the last does.
+/// Outcome of random legs with arrivals: where every robot arrives, and the strokes until the last one does.
 fn drawn(random: &mut SplitMix64, coarse: &Coarse, longest: usize) -> (Vec<[f64; 3]>, u64) {
     let count = coarse.discs.len();
     let (mut poses, mut arrived, mut strokes) = (coarse.starts.clone(), vec![false; count], 0);
@@ -177,7 +179,8 @@ fn no_sequence_of_states_is_below_the_bound() {
     }
 }
 
-/// All turn, then one after the other runs straight: no sequence takes fewer strokes, and the bound says so.
+/// All robots turn, then one after the other runs straight: no sequence takes fewer strokes, and the bound attains
+/// that.
 #[test]
 fn the_bound_of_robots_that_turn_and_then_run_is_what_they_take() {
     let mut random = SplitMix64::new(32);
@@ -191,7 +194,7 @@ fn the_bound_of_robots_that_turn_and_then_run_is_what_they_take() {
             coarse.stroke(&mut poses, &arrived, state, leg as f64);
             strokes += leg;
         }
-        // No robot has turned by a whole circle, so none can do with less.
+        // Unless some robot has turned by a whole circle, none can do with less.
         let bound = coarse.bound(&poses);
         let least_um =
             coarse.discs.iter().map(|disc| TAU * disc.radius_um / disc.stroke_um).fold(f64::INFINITY, f64::min);
@@ -200,7 +203,7 @@ fn the_bound_of_robots_that_turn_and_then_run_is_what_they_take() {
     }
 }
 
-/// A robot that turns whenever another one does must go round once more where it needs less of a turn.
+/// A robot that turns whenever another one does must make one more circle if it needs less of a turn.
 #[test]
 fn a_robot_that_needs_less_of_a_turn_goes_round_once_more() {
     let mut random = SplitMix64::new(33);

@@ -1,7 +1,7 @@
-//! One robot driven through its stops: the gross motion of an assembly, on the way of the plan.
+//! Drive of one robot through its stops: the gross motion of an assembly, on the path of the plan.
 //!
-//! A robot with errors cannot be brought to its stop exactly: it counts as there once it is measured within the cylinder that the
-//! errors allow, and the drive is repeated otherwise.
+//! A robot with errors cannot be brought to its stop exactly. It counts as there once it is measured within the
+//! cylinder that the errors allow; otherwise the drive is repeated.
 
 use super::single::{MAX_ROUNDS, MAX_TIMES, whole_strokes};
 use super::{Progress, StopReason, add_pieces, strokes};
@@ -18,12 +18,13 @@ use crate::plan::search::SearchBudget;
 use crate::real::Real;
 use std::f64::consts::TAU;
 
-/// How often a new way is searched for from where a robot was measured, and how long: an answer must not be late. A step is one of the
-/// planner of drives.
+/// Most searches for a new path from a measured pose, and the budget of each in steps of the drive planner: an answer
+/// must not be late.
 const MAX_NEW_WAYS: usize = 32;
 const NEW_WAY_BUDGET: SearchBudget = SearchBudget::of(6_000);
 
-/// Clearances that a new way keeps, as shares of the device's: a robot that was led astray may have less room than the plan keeps.
+/// Clearances that a new path keeps, as shares of the device's: a robot that was led astray may have less room than the
+/// plan keeps.
 const CLEARANCES: [f64; 2] = [1.0, 0.5];
 const NO_CLEARANCE: [f64; 1] = [0.0];
 
@@ -34,12 +35,12 @@ pub struct DriveStage<'a> {
     order: &'a MicrorobotsOrder,
     stops: Vec<MicrorobotsStop>,
     new_ways: usize,
-    /// Whether the last command turned it for all of its length.
+    /// Whether the last command turned the robot for all of its length.
     is_turning: bool,
     driver: Driver<'a>,
     /// Indices of the control states in which it turns and runs straight.
     states: [usize; 2],
-    /// The way to each stop.
+    /// Path to each stop.
     pursuits: Vec<Pursuit>,
     at: usize,
     rounds: usize,
@@ -82,7 +83,8 @@ impl<'a> DriveStage<'a> {
         })
     }
 
-    /// Plans the rest of the way anew from where all robots were measured; `false` if no way was found, or too often.
+    /// Replans the rest of the path from the measured poses of all robots; `false` if no path was found, or too many
+    /// were sought.
     pub fn find_new_way(&mut self, belief: &Belief) -> bool {
         self.find_way_with(&CLEARANCES, belief) || self.find_way_with(&NO_CLEARANCE, belief)
     }
@@ -116,7 +118,7 @@ impl<'a> DriveStage<'a> {
         }
     }
 
-    /// How far from its stops it is measured at most when it counts as there.
+    /// Greatest measured distance from a stop at which the robot counts as there.
     pub fn accepted(&self) -> Cylinder {
         self.driver.accepted()
     }
@@ -147,7 +149,8 @@ impl<'a> DriveStage<'a> {
             }
             let [turning, straight] = self.states;
             let room_um = room_um(belief, driver);
-            // A circle for the lag alone is put off until the errors of the run ask for one, and one that there is no room for as well.
+            // A circle for the lag alone is put off until the errors of the run require one; so is a circle without
+            // room.
             let is_put_off = |circle: PursuitCircle| {
                 circle.is_for_lag || !has_room(belief, self.robot, turning, circle.way_um, room_um)
             };
@@ -162,7 +165,8 @@ impl<'a> DriveStage<'a> {
         }
     }
 
-    /// Runs straight on until the next measurement, where there is room for that: farther on there may be room to turn. `false` otherwise.
+    /// Runs straight on until the next measurement, if there is room: farther on there may be room to turn. `false`
+    /// otherwise.
     fn runs_on(&mut self, belief: &Belief, drive: &mut Drive) -> bool {
         let (way_um, straight) = (self.driver.interval_um, self.states[1]);
         let Some(pursuit) = self.pursuits.get(self.at) else { return false };
@@ -176,7 +180,8 @@ impl<'a> DriveStage<'a> {
         true
     }
 
-    /// Whether it is about to begin a turn that leads into something: drift may ask for one where the plan has none.
+    /// Whether the robot is about to begin a turn that leads into something: drift may require one where the plan has
+    /// none.
     fn begins_turn_without_room(&self, belief: &Belief, measured: Pose) -> bool {
         let Some(pursuit) = self.pursuits.get(self.at).filter(|_| !self.is_turning) else { return false };
         let turn_um = pursuit.due_turn_um(&self.driver, measured);
@@ -190,20 +195,21 @@ fn most_um(pursuit: &Pursuit, driver: &Driver, measured: Pose) -> f64 {
     MAX_TIMES * (pursuit.left_um(driver, measured) + TAU * driver.robot.turning_radius_um)
 }
 
-/// How near to other things a turn may lead: once begun it has to be gone on with, and where it leads is less certain than where the robot
-/// is.
+/// Distance that a turn must keep from other things: once begun it must be completed, and where it leads is less
+/// certain than where the robot is.
 fn room_um(belief: &Belief, driver: &Driver) -> f64 {
     belief.doubt_um(2.0 * driver.robot.turning_radius_um) + belief.astray_um(driver.interval_um)
 }
 
-/// Whether a robot can turn that far in a control state.
+/// Whether a robot can turn over this path in a control state.
 fn has_room(belief: &Belief, robot: usize, turning: usize, way_um: f64, room_um: f64) -> bool {
     let strokes = strokes(belief, robot, way_um);
     let turn = [Segment { state: turning, strokes, sets_arms: false }];
     belief.has_room(room_um, &turn)
 }
 
-/// The state in which a robot's arm is so: of those of the legs the one with most strokes, otherwise the first that keeps docked arms up.
+/// Control state with a robot's arm in this position: among those that keep docked arms up, the one with most strokes
+/// in the legs, or else the first.
 fn state(order: &MicrorobotsOrder, robot: usize, arm: Arm, docked: &[bool], legs: &[Leg]) -> Option<usize> {
     let fits = |state: &usize| {
         let arms = &order.states[*state].arms;

@@ -1,4 +1,4 @@
-//! The stages of a task, each a machine of its own.
+//! The stages of a task, each a state machine of its own.
 
 mod coarse;
 mod pair;
@@ -19,14 +19,14 @@ use pair::PairStage;
 use single::SingleStage;
 use written::{RestStage, WrittenStage};
 
-/// What a stage answers to a measurement.
+/// Answer of a stage to a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// The drive has its segments; none of them means that the bed holds still until the next measurement.
+    /// The drive has its segments; without any, the bed holds still until the next measurement.
     Driving,
     /// The bed is without voltage until this instant.
     Resting(u64),
-    /// The stage is over, and the measurement is the next one's.
+    /// The stage is over, and the measurement goes to the next one.
     Done,
     Failed(StopReason, usize),
 }
@@ -34,7 +34,7 @@ pub enum Progress {
 /// A stage with its step.
 #[derive(Debug, Clone)]
 pub struct StageOf<'a> {
-    /// Index of the order's steps.
+    /// Index into the order's steps.
     pub step: usize,
     pub stage: ControlStage<'a>,
 }
@@ -61,7 +61,7 @@ impl ControlStage<'_> {
         }
     }
 
-    /// Looks for another way where what it has commanded would lead into something; `false` if there is none.
+    /// Looks for another path if the commanded one would lead into something; `false` if there is none.
     pub fn find_new_way(&mut self, belief: &Belief) -> bool {
         match self {
             ControlStage::Drive(stage) => stage.find_new_way(belief),
@@ -145,16 +145,17 @@ pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) ->
     found
 }
 
-/// Lets the robots of a last stage that is carried out as written run on by so much, so that they touch what they dock with.
+/// Lets the robots of a last stage that is carried out as written run on by `pushed_um`, so that they touch what they
+/// dock with.
 fn push_last(order: &MicrorobotsOrder, stages: &mut [StageOf], pushed_um: f64) {
     if let Some(StageOf { stage: ControlStage::Written(stage), .. }) = stages.last_mut() {
         stage.push(order, pushed_um);
     }
 }
 
-/// A stage of an assembly; as written if the errors are so small that this is sure to succeed.
+/// Control stage of an assembly stage; as written if the errors are so small that this is sure to succeed.
 fn of_episode<'a>(order: &'a MicrorobotsOrder, episode: &Episode<'a>, is_written: bool) -> Option<ControlStage<'a>> {
-    // Stages without legs are those of tests of the strategy alone.
+    // Only tests of the strategy alone have stages without legs.
     if is_written && !episode.legs.is_empty() {
         return Some(ControlStage::Written(WrittenStage::of(order, episode)));
     }
@@ -168,7 +169,7 @@ fn of_episode<'a>(order: &'a MicrorobotsOrder, episode: &Episode<'a>, is_written
     }
 }
 
-/// A step that assembles nothing.
+/// Control stage of a step that assembles nothing.
 fn of_other<'a>(
     order: &'a MicrorobotsOrder,
     step: usize,
@@ -193,7 +194,8 @@ fn of_other<'a>(
     }
 }
 
-/// How far from their goals drives are measured at most when they count as done; `None` where nothing is driven in closed loop.
+/// Greatest measured distance from their goals at which drives count as done; `None` if nothing is driven in closed
+/// loop.
 pub fn drives_end_within(stages: &[StageOf]) -> Option<Cylinder> {
     let drives = stages.iter().filter_map(|one| match &one.stage {
         ControlStage::Drive(stage) => Some(stage.accepted()),

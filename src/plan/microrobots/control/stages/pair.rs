@@ -1,4 +1,4 @@
-//! The first two robots, which are brought together: stage 1, stage 2, and again if they do not come at once; then the fine motion.
+//! The first two robots of a structure: stages 1 and 2, repeated until both arrive together; then the fine motion.
 
 use super::single::{
     MAX_FINE_TIMES, MAX_PUSHES, MAX_ROUNDS, again_um, push_on_um, push_um, touching_um, whole_strokes,
@@ -14,14 +14,14 @@ use crate::plan::microrobots::{AssemblyStage, Leg};
 use crate::real::Real;
 use std::f64::consts::PI;
 
-/// Intervals of one gross motion.
+/// Most intervals of one gross motion.
 const MAX_INTERVALS: usize = 20_000;
 
-/// Share of the distance of self-alignment that is used before the fine motion: two robots that turn away so near to each other
-/// collide more often than they miss the rest.
+/// Share of the distance of self-alignment that may be used up before the fine motion: two robots that turn away when
+/// they are so near to each other collide more often than they would miss the rest.
 const ALIGNED_SHARE: f64 = 0.75;
 
-/// What the two are doing.
+/// Current activity of the two robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum PairState {
     /// The second robot is driven to the orbit from which it is driven later.
@@ -42,21 +42,21 @@ pub struct PairStage<'a> {
     /// Both turn, only the second turns, none of the two turns.
     states: [usize; 3],
     goals: [Pose; 2],
-    /// To where the second robot orbits, if it is not there yet.
+    /// Path to where the second robot orbits, if it is not there yet.
     near: Option<Pursuit>,
-    /// Centres on the ways of the first round.
+    /// Turning centres along the paths of the first round.
     via_um: [Vec<[f64; 2]>; 2],
     pursuits: [Pursuit; 2],
     doing: PairState,
     round: usize,
     intervals: usize,
-    /// Times that the first robot arrived, and was not in time.
+    /// Times that the first robot arrived, but out of place or out of time.
     rounds: usize,
     shares: [f64; 2],
     is_kept: bool,
     left_um: f64,
     pushes: usize,
-    /// Whether the last push began where they were as near as robots that touch.
+    /// Whether the last push began with the robots as near as ones that touch.
     is_pushed_on: bool,
 }
 
@@ -142,7 +142,7 @@ impl<'a> PairStage<'a> {
         self.intervals > MAX_INTERVALS
     }
 
-    /// The second robot to the orbit from which it is driven.
+    /// Brings the second robot to the orbit from which it is driven.
     fn bring_near(&mut self, belief: &Belief, drive: &mut Drive, measured: [Pose; 2]) -> Progress {
         let over = self.is_over();
         let driver = &self.couple.drivers[1];
@@ -162,7 +162,7 @@ impl<'a> PairStage<'a> {
         if self.round >= MAX_ROUNDS {
             return Progress::Failed(StopReason::LeftCylinder, self.robots[1]);
         }
-        // Only the first round takes the ways of the plan.
+        // Only the first round takes the paths of the plan.
         let [first_um, second_um]: [&[[f64; 2]]; 2] =
             if self.round == 0 { [&self.via_um[0], &self.via_um[1]] } else { [&[], &[]] };
         let drivers = self.couple.drivers;
@@ -173,7 +173,7 @@ impl<'a> PairStage<'a> {
         Progress::Done
     }
 
-    /// The first robot to its line, while the second orbits, until it is there in time.
+    /// Brings the first robot to its line while the second orbits, until it is there in time.
     fn time(&mut self, belief: &Belief, drive: &mut Drive, measured: [Pose; 2]) -> Progress {
         if self.is_over() {
             return Progress::Failed(StopReason::TimeLimit, self.robots[0]);
@@ -200,7 +200,7 @@ impl<'a> PairStage<'a> {
         self.interval(belief, drive, 0, measured)
     }
 
-    /// The second robot to its approach, while the first runs straight; given up when the first has come too far.
+    /// Brings the second robot to its approach while the first runs straight; ends when the first has come too far.
     fn meet(&mut self, belief: &Belief, drive: &mut Drive, measured: [Pose; 2]) -> Progress {
         if self.is_over() {
             return Progress::Failed(StopReason::TimeLimit, self.robots[1]);
@@ -240,7 +240,7 @@ impl<'a> PairStage<'a> {
     }
 
     fn fine(&mut self, belief: &Belief, drive: &mut Drive, measured: [Pose; 2]) -> Progress {
-        // If they were pushed together, they were not there yet.
+        // Robots that were pushed together and do not touch were not there yet.
         (self.doing, self.is_pushed_on) = (PairState::Fine, false);
         let frames = self.couple.frames(self.goals, measured);
         let drivers = self.couple.drivers;
@@ -296,7 +296,7 @@ impl<'a> PairStage<'a> {
         }
     }
 
-    /// How far the fronts of the two are apart, if they are measured as against each other.
+    /// Distance between the fronts of the two, if they are measured as against each other.
     fn apart_head_on_um(&self, belief: &Belief, measured: [Pose; 2]) -> Option<f64> {
         let robots = [0, 1].map(|at| self.couple.drivers[at].robot);
         let noses = [0, 1].map(|at| nose(robots[at], measured[at]));
@@ -309,7 +309,8 @@ impl<'a> PairStage<'a> {
     }
 }
 
-/// The way of the second robot to the orbit from which it is driven, and the centres on the ways of both from then on.
+/// Path of the second robot to the orbit from which it is driven, and the turning centres on the paths of both from
+/// then on.
 fn near(
     order: &MicrorobotsOrder,
     couple: &Couple,

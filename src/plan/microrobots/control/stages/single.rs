@@ -1,4 +1,4 @@
-//! A robot that is brought to a structure: gross motion, fine motion, contact.
+//! Docking of a robot with a structure: gross motion, fine motion, contact.
 
 use super::{ControlPhase, Progress, StopReason, add_pieces, strokes};
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -10,7 +10,7 @@ use crate::plan::microrobots::control::belief::Belief;
 use crate::plan::microrobots::strategy::{Driver, Episode, GoalFrame, Phase, Pursuit, edge_gap_um, steered};
 use std::f64::consts::TAU;
 
-/// So often the end of the gross motion is tried.
+/// Most attempts at the end of the gross motion.
 pub const MAX_ROUNDS: usize = 20;
 
 /// Greatest length of a gross motion, as a multiple of its nominal path.
@@ -19,10 +19,10 @@ pub const MAX_TIMES: f64 = 20.0;
 /// Greatest length of a fine motion, as a multiple of its nominal path.
 pub const MAX_FINE_TIMES: f64 = 4.0;
 
-/// So often a robot is pushed against its structure.
+/// Most pushes of a robot against its structure.
 pub const MAX_PUSHES: usize = 5;
 
-/// Greatest angle from lying flat, besides the errors of measurements.
+/// Greatest angle from lying flat, in addition to the errors of measurements.
 const FLAT_RAD: f64 = 0.01;
 
 /// The robot of a stage.
@@ -32,7 +32,7 @@ pub struct SingleStage<'a> {
     driver: Driver<'a>,
     /// Indices of the control states in which it turns and runs straight.
     states: [usize; 2],
-    /// As planned.
+    /// Approach and goal as planned.
     approach: Pose,
     goal: Pose,
     /// The docked robots that it faces at its goal.
@@ -46,7 +46,7 @@ pub struct SingleStage<'a> {
     aside_um: f64,
     is_kept: bool,
     pushes: usize,
-    /// Whether the last push began where it was as near as a robot that touches.
+    /// Whether the last push began with the robot as near as one that touches.
     is_pushed_on: bool,
 }
 
@@ -190,7 +190,8 @@ impl<'a> SingleStage<'a> {
         }
     }
 
-    /// The cycles before the contact; the last one turns first and then runs straight, so that the arm is up when the robot sticks.
+    /// The cycles before the contact; the last one turns first and then runs straight, so that the arm is up when the
+    /// robot sticks.
     fn last_cycles(&self, belief: &Belief, drive: &mut Drive, way_um: f64) {
         let last_um = way_um.min(self.driver.cycle_um);
         if way_um - last_um > self.driver.cycle_um / 2.0 {
@@ -201,7 +202,7 @@ impl<'a> SingleStage<'a> {
         drive.add(self.states[1], strokes(belief, self.robot, (1.0 - self.share) * last_um));
     }
 
-    /// It was pushed against its structure, and does not stand before it any more.
+    /// Judges a robot that was pushed against its structure and touches it.
     fn judge(&self, belief: &mut Belief, seen: Pose) -> Progress {
         let most_um = belief.order.facts.docking.tolerance_um + 2.0 * belief.doubt_um(self.driver.robot.length_um);
         if seen.y_um.abs() > most_um {
@@ -213,7 +214,7 @@ impl<'a> SingleStage<'a> {
     }
 }
 
-/// A driver that accepts what whole strokes can reach: they round a path as errors would.
+/// A driver that accepts what whole strokes can reach; rounding to strokes acts like an error.
 pub fn whole_strokes(mut driver: Driver) -> Driver {
     let step_um = driver.robot.step_um;
     driver.errors.place_um = driver.errors.place_um.max(2.0 * step_um);
@@ -221,22 +222,23 @@ pub fn whole_strokes(mut driver: Driver) -> Driver {
     driver
 }
 
-/// Measured gap up to which a robot that was pushed against something touches it: the errors of its own place and of that thing's.
+/// Measured gap up to which a robot that was pushed against something touches it: the errors of both measured places.
 pub fn touching_um(belief: &Belief, width_um: f64) -> f64 {
     2.0 * belief.doubt_um(width_um / 2.0) + 2.0 * belief.order.robot(0).step_um + 0.5
 }
 
-/// Path of a push that follows one after which a robot may or may not touch, so that it surely does.
+/// Path of a push after one that leaves open whether the robot touches, so that it certainly does.
 pub fn push_on_um(gap_um: f64, touching_um: f64) -> f64 {
     gap_um.max(0.0) + touching_um
 }
 
-/// Path by which a push is longer than the first one: bodies that come askew touch later than their fronts would.
+/// Path by which a repeated push is longer than the first one: bodies that come askew touch later than their fronts
+/// would.
 pub fn again_um(pushes: usize, cycle_um: f64) -> f64 {
     pushes.saturating_sub(1) as f64 * cycle_um / 2.0
 }
 
-/// Path beyond the measured contact that makes sure that a robot touches.
+/// Path beyond the measured contact that ensures that a robot touches.
 pub fn push_um(belief: &Belief, width_um: f64, way_um: f64) -> f64 {
     touching_um(belief, width_um) + belief.errors.speed_ratio * way_um
 }

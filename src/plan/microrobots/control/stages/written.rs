@@ -1,4 +1,4 @@
-//! Legs carried out as the plan has them, interval by interval, and waits.
+//! Legs carried out as written in the plan, interval by interval; and waits.
 
 use super::{Progress, StopReason};
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -21,20 +21,20 @@ pub struct WrittenStage<'a> {
     interval: u64,
     /// Robots that dock at the end, with their goals.
     docks: [Option<(usize, Pose)>; 2],
-    /// The state in which these run straight, and strokes in it after the legs.
+    /// State in which these run straight, and strokes in it after the legs.
     straight: usize,
     pushed: u64,
 }
 
 impl<'a> WrittenStage<'a> {
-    /// Of a step that docks nothing.
+    /// Stage of a step that docks nothing.
     pub fn new(order: &MicrorobotsOrder, legs: &'a [Leg]) -> Self {
         let replan_ns = order.facts.errors.map_or(0, |errors| errors.replan_ns);
         let interval = (replan_ns / order.facts.period_ns.max(1)).max(1);
         WrittenStage { legs, at: 0, driven: 0, interval, docks: [None; 2], straight: 0, pushed: 0 }
     }
 
-    /// Of a stage of an assembly.
+    /// Stage of an assembly.
     pub fn of(order: &MicrorobotsOrder, episode: &Episode<'a>) -> Self {
         let (docks, straight) = match *episode.stage {
             AssemblyStage::Pair { first, second, goals, states, .. } => {
@@ -58,7 +58,7 @@ impl<'a> WrittenStage<'a> {
         self.docks.map(|dock| dock.map(|(robot, _)| robot))
     }
 
-    /// Segments of one interval: a leg has one stroke at least.
+    /// Most segments of one interval: a leg has at least one stroke.
     pub fn most_segments(&self) -> usize {
         self.legs.len().min(usize::try_from(self.interval).unwrap_or(usize::MAX)).saturating_add(2)
     }

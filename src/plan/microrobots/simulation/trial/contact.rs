@@ -1,8 +1,8 @@
 //! Contact of robots with their structure: when it happens, and whether they stick.
 //!
-//! Two robots that come head on touch where their bodies meet; they align themselves within the limits of the device, and the structure is
-//! where they did. A single robot touches when a corner of its front comes to the edge that it faces at its goal; it then
-//! lies flat against it. Robots that touch anything else have collided.
+//! Two robots that come head on touch where their bodies meet; they align themselves within the limits of the device,
+//! and the structure is where they met. A single robot touches when a corner of its front comes to the edge that it
+//! faces at its goal; it then lies flat against it. Robots that touch anything else have collided.
 
 use super::{FailureReason, Met, Trial, motion};
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -13,13 +13,13 @@ use crate::plan::microrobots::strategy::{GoalFrame, StrategySolid, body, edge_ga
 use crate::real::Real;
 use std::f64::consts::PI;
 
-/// Bisection steps to a contact; leaves an error far below a stroke.
+/// Bisection steps to a contact; they leave an error far below a stroke.
 const HALVINGS: usize = 40;
 
-/// A robot farther from its goal's axis than this many lengths of the fine motion does not dock.
+/// A robot farther from its goal than this many lengths of the fine motion does not dock.
 const NEAR_LENGTHS: f64 = 2.0;
 
-/// A robot that faces its goal by less than this does not dock.
+/// A robot whose heading is off its goal's by more than this does not dock.
 const FACING_RAD: f64 = 1.4;
 
 /// The robots that may dock next.
@@ -33,13 +33,13 @@ pub enum NextDocking {
         robot: usize,
         /// As planned.
         goal: Pose,
-        /// Where its edge is.
+        /// Frame of the actual goal, with its edge.
         frame: GoalFrame,
     },
 }
 
 impl NextDocking {
-    /// Of a stage; `None` if nothing docks in it.
+    /// Docking of a stage; `None` if nothing docks in it.
     pub fn of(trial: &Trial, stage: &AssemblyStage) -> Option<Self> {
         match *stage {
             AssemblyStage::Pair { first, second, goals, .. } => {
@@ -64,7 +64,7 @@ impl NextDocking {
         .flatten()
     }
 
-    /// Whether the robots are so near to their goals that they may touch what they dock with.
+    /// Whether the robots are near enough to their goals to touch what they dock with.
     pub fn is_near(&self, trial: &Trial) -> bool {
         let is_near = |robot: usize, goal: Pose| {
             let pose = trial.poses[robot];
@@ -78,7 +78,7 @@ impl NextDocking {
         }
     }
 
-    /// Whether they touch after some strokes more in a state.
+    /// Whether they touch after `strokes` more strokes in a state.
     pub fn touches(&self, trial: &Trial, state: usize, strokes: f64) -> bool {
         match self {
             NextDocking::Pair { robots: [first, second], .. } => {
@@ -93,7 +93,7 @@ impl NextDocking {
         }
     }
 
-    /// Strokes until they touch, of at most so many.
+    /// Strokes until they touch, at most `most`.
     pub fn strokes_to_contact(&self, trial: &Trial, state: usize, most: f64) -> f64 {
         let (mut low, mut high) = (0.0, most);
         for _ in 0..HALVINGS {
@@ -103,7 +103,7 @@ impl NextDocking {
         low
     }
 
-    /// What becomes of robots that touch.
+    /// Judges robots that touch: they stick in their places, or the trial fails.
     ///
     /// # Errors
     /// Why they do not stick in their places.
@@ -114,7 +114,7 @@ impl NextDocking {
         }
     }
 
-    /// Without errors robots that are at their goals stick, though rounding may keep them apart.
+    /// Without errors, robots that are at their goals stick, though rounding may keep them apart.
     pub fn settle(&self, trial: &mut Trial) -> bool {
         let goals = match self {
             NextDocking::Pair { robots, goals } => [Some((robots[0], goals[0])), Some((robots[1], goals[1]))],
@@ -143,7 +143,7 @@ fn is_at(order: &MicrorobotsOrder, pose: Pose, goal: Pose) -> bool {
     off_um <= order.precision.place_um + 1e-6 && off_rad <= order.precision.heading_rad + 1e-9
 }
 
-/// Whether a robot that has come to the line of its edge is really before it, and not beside.
+/// Whether a robot that has come to the line of its edge is really in front of it, and not beside.
 fn is_before(trial: &Trial, robot: usize, pose: Pose, frame: &GoalFrame) -> bool {
     let facts = trial.order.robot(robot);
     let across_um = frame.contact(frame.seen(pose), 0.0).across_um.abs();
@@ -158,7 +158,7 @@ fn gap_um(trial: &Trial, robot: usize, goal: Pose) -> f64 {
     let order = trial.order;
     let docked = (0..trial.poses.len()).filter(|robot| trial.docked[*robot]);
     let bodies: Vec<_> = docked.map(|robot| (order.robot(robot), trial.poses[robot])).collect();
-    // Others may lie apart by their tolerance already.
+    // The others may already be apart by their tolerance.
     let tolerance_um = 3.0 * order.facts.docking.tolerance_um;
     edge_gap_um(order.robot(robot), goal, &bodies, tolerance_um).unwrap_or(0.0)
 }

@@ -16,14 +16,14 @@ use nalgebra::{Isometry2, Vector2};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Bodies are compared after each such stretch of their path.
+/// Path between two comparisons of bodies, in micrometres.
 const STRIDE_UM: f64 = 10.0;
 
-/// Why a trial failed.
+/// Reason why a trial failed.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FailureReason {
-    /// After the greatest number of rounds it had still not reached the start of the fine motion.
+    /// It had not reached the start of the fine motion after the greatest number of rounds.
     LeftCylinder,
     /// The goal was not within the reach of the fine motion.
     MissedCone,
@@ -35,20 +35,20 @@ pub enum FailureReason {
     Collision(String),
     /// It took too long.
     TimeLimit,
-    /// The controller held it for docked, and it was not.
+    /// The controller counted it as docked, but it was not.
     NotDocked,
     /// It was not seen, or measured where it cannot be, too many times in a row.
     Unmeasured,
     /// It did not follow the commands too many times in a row.
     Astray,
-    /// The controller stopped, since it would have driven it into something of this name.
+    /// The controller stopped because it would have driven the robot into something of this name.
     Blocked(String),
-    /// The controller stopped for want of measurements.
+    /// The controller stopped for lack of measurements.
     Silence,
 }
 
 impl FailureReason {
-    /// What happened to the robot, as a clause about it.
+    /// Clause about the robot: what happened to it.
     pub fn clause(&self) -> String {
         match self {
             FailureReason::LeftCylinder => "it did not get to where the fine motion begins".to_owned(),
@@ -65,7 +65,7 @@ impl FailureReason {
         }
     }
 
-    /// Why a controller gave up.
+    /// Failure that corresponds to a controller's reason to give up.
     fn of(stop: Stop, order: &MicrorobotsOrder) -> FailureReason {
         match stop.reason {
             StopReason::LeftCylinder => FailureReason::LeftCylinder,
@@ -91,12 +91,12 @@ impl FailureReason {
 /// Which robot failed, why and when.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TrialFailure {
-    /// Index of the order's robots.
+    /// Index into the order's robots.
     pub robot: usize,
     pub reason: FailureReason,
-    /// Index of the order's steps.
+    /// Index into the order's steps.
     pub step: usize,
-    /// What the controller was doing.
+    /// Phase of the controller.
     pub phase: ControlPhase,
 }
 
@@ -124,16 +124,16 @@ pub struct EndedTrial {
     pub met: Vec<Met>,
     pub failure: Option<TrialFailure>,
     pub time_ns: u64,
-    /// Of a trial that succeeded.
+    /// Area match of a trial that succeeded.
     pub area: Option<AreaMatch>,
 }
 
-/// How errors are drawn.
+/// Manner in which errors are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Manner {
     /// Each robot keeps an extreme of each error.
     Corner,
-    /// Another extreme in each interval.
+    /// Each robot takes another extreme in each interval.
     Shaken,
     /// A part that stays and a part that changes.
     Mixed,
@@ -156,13 +156,13 @@ pub struct Trial<'a> {
     pub errors: Errors,
     pub poses: Vec<Pose>,
     pub docked: Vec<bool>,
-    /// From where the structure should be to where it is.
+    /// Motion from the planned place of the structure to its actual one.
     pub structure: Isometry2<f64>,
     pub met: Vec<Met>,
     obstacles: &'a [StrategySolid],
     /// Bodies of docked robots.
     bodies: Vec<StrategySolid>,
-    /// Stages in which robots dock, in order of time, and how many of them are over.
+    /// Stages in which robots dock, in order of time, and the number of them that are over.
     stages: &'a [&'a AssemblyStage],
     over: usize,
     next: Option<NextDocking>,
@@ -216,7 +216,7 @@ impl<'a> Trial<'a> {
         trial
     }
 
-    /// The next stage begins: other robots may dock.
+    /// Begins the next stage, in which other robots may dock.
     fn begin(&mut self) {
         let standing = |robot: usize| StrategySolid::standing(self.order.robot(robot), self.poses[robot]);
         self.bodies = (0..self.poses.len()).filter(|robot| self.docked[*robot]).map(standing).collect();
@@ -229,7 +229,7 @@ impl<'a> Trial<'a> {
         self.bodies.iter()
     }
 
-    /// The next measurement is due: an interval is over.
+    /// Ends an interval: the next measurement is due.
     pub fn tick(&mut self) {
         self.time_ns += self.spent_ns.max(if self.spent_ns > 0.0 { self.errors.replan_ns as f64 } else { 0.0 });
         self.spent_ns = 0.0;
@@ -242,7 +242,7 @@ impl<'a> Trial<'a> {
         (self.time_ns + self.spent_ns) as u64
     }
 
-    /// The pose of a robot as it is measured.
+    /// Measured pose of a robot.
     pub fn measured(&self, robot: usize) -> Pose {
         let pose = self.poses[robot];
         let [share, direction, heading] = self.drifts[robot].noise;
@@ -273,15 +273,15 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
-    /// The bed rests until an instant, if that is still to come.
+    /// Lets the bed rest until an instant, if that is still to come.
     pub fn rest_until(&mut self, until_ns: u64) {
         self.spent_ns = self.spent_ns.max(until_ns as f64 - self.time_ns);
     }
 
-    /// Whether all robots that should have docked did.
+    /// Checks that all robots that should have docked did.
     ///
     /// # Errors
-    /// The first one that did not, after a step.
+    /// The first robot that did not; `step` is the step in progress.
     pub fn all_docked(&self, step: usize) -> Result<(), TrialFailure> {
         match self.next.and_then(|next| next.robots().find(|robot| !self.docked[*robot])) {
             Some(robot) => {
@@ -291,7 +291,7 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// Drives the bed in a state for so many strokes, or until robots dock; the strokes that were driven.
+    /// Drives the bed in a state for `strokes` strokes, or until robots dock. Returns the strokes that were driven.
     fn drive(&mut self, state: usize, strokes: f64) -> Result<f64, Mishap> {
         let moving = (0..self.poses.len()).filter(|robot| !self.docked[*robot]);
         let step_um = moving.map(|robot| self.order.robot(robot).step_um).fold(0.0, f64::max);
@@ -327,7 +327,7 @@ impl<'a> Trial<'a> {
         Ok(strokes)
     }
 
-    /// Whether a robot is looked at after every stride: those that may dock next, or all where none may.
+    /// Whether a robot is checked after every stride: one that may dock next, or any robot if none may.
     fn is_driven(&self, robot: usize) -> bool {
         self.next.is_none_or(|next| next.robots().any(|driven| driven == robot))
     }
@@ -357,7 +357,8 @@ impl<'a> Trial<'a> {
         self.spent_ns += segment.strokes as f64 * self.order.facts.period_ns as f64;
     }
 
-    /// Collisions of the robots that are looked at, after some strokes of a segment; the others are still where they began it.
+    /// Collisions of the robots that are checked after every stride, after some strokes of a segment; the others are
+    /// still where they began it.
     fn collide_driven(&self, state: usize, strokes: f64, is_near: bool) -> Result<(), Mishap> {
         let count = self.poses.len();
         for robot in (0..count).filter(|robot| !self.docked[*robot] && self.is_driven(*robot)) {
@@ -401,7 +402,7 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
-    /// Whether two bodies are apart for certain, wherever the second has gone in so many strokes.
+    /// Whether two bodies are certainly apart, wherever the second has gone in `strokes` strokes.
     fn is_apart(&self, robot: usize, other: usize, strokes: f64) -> bool {
         let [one, two] = [robot, other].map(|robot| self.order.robot(robot));
         let [a, b] = [robot, other].map(|robot| self.poses[robot]);
