@@ -1,7 +1,9 @@
 //! The corpus: programs with the report that a person sees beside each.
+//!
 //! `corpus/<stage>/*.twz` is compiled; the report, plain and 100 columns wide, must be the `.txt` file of the same
 //! name. Its last line says what the page of the failed build shows. `TWEEZE_UPDATE=1` rewrites the reports: read the
 //! changes before committing them.
+//!
 //! A first line `// set=name=value task=name` gives the options of `build`. A line `// file lab.twz` ends the program;
 //! the rest is a file beside it.
 

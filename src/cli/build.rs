@@ -64,6 +64,7 @@ pub struct BuiltProgram {
 }
 
 /// Builds a program, writes its files and reports both as it proceeds; adds the files that it needs to `needed`.
+///
 /// # Errors
 /// The exit status, once the diagnostics were reported, with the page that shows them if pages were requested.
 pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> Result<BuiltProgram, FailedBuild> {

@@ -82,6 +82,7 @@ fn put_page(
 }
 
 /// Writes files; returns the path of each.
+///
 /// # Errors
 /// The exit status, once the failure was reported.
 pub fn put(files: &[OutputFile], to: &Destination, report_format: ReportFormat) -> Result<Vec<PathBuf>, Exit> {
@@ -107,6 +108,7 @@ pub fn tell(program: &Path, page: Option<&Path>, arguments: &BuildArguments) {
 }
 
 /// Removes the page of an earlier failed build, because the program has now been built.
+///
 /// # Errors
 /// The exit status, once it was reported that the page cannot be removed.
 pub fn forget(program: &Path, arguments: &BuildArguments) -> Result<(), Exit> {

@@ -20,6 +20,7 @@ pub struct Loaded {
 
 impl Loaded {
     /// Reads a file; reports failures.
+    ///
     /// # Errors
     /// The exit status if it cannot be read.
     pub fn read(file: &Path, options: Options, report: &ReportArguments) -> Result<Loaded, Exit> {

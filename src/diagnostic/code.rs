@@ -1,4 +1,5 @@
 //! Table of codes, one row each; a code is never reused with another meaning.
+//!
 //! `E01xx` syntax, `02` names, `03` units and values, `04` devices, `05` scenes and tasks, `06` planning, `07`
 //! verification, `08` files and formats; warnings `W…` share the numbers. Each row has its page in `explain/`.
 

@@ -1,4 +1,5 @@
 //! Diagnostics: one form for every stage, collected in a [`Sink`].
+//!
 //! A stage pushes [`Diagnostic`]s and continues; it never prints. `code` is the table of codes; `render` turns a
 //! diagnostic into text for people, `machine` into text for programs.
 
@@ -24,6 +25,7 @@ pub struct Label {
 }
 
 /// One error or warning.
+///
 /// The title is lower case without a full stop and names the fault, with the number, its unit and the limit. The first
 /// label is the place itself; further ones explain the conflict. The help is the fix.
 #[derive(Debug, Clone, PartialEq, Serialize)]

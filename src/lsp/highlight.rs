@@ -1,4 +1,5 @@
 //! Semantic tokens and folding ranges.
+//!
 //! Roles come from the words alone and not from the tree, so that colours stay while a line is being typed.
 
 use super::outline;

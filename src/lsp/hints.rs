@@ -1,5 +1,6 @@
 //! Inlay hints: figures from the checker about devices and places, and figures from the planner about tasks and their
 //! steps.
+//!
 //! The checker's figures are available as soon as a program has no error: the pitch of a device, the cell that is taken
 //! for a place. The figures of a plan wait for it (`planning`): the cost of a task, the cost of each of its steps, and
 //! the angle that a turn reaches.

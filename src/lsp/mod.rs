@@ -1,4 +1,5 @@
 //! Language server on standard input and output.
+//!
 //! Input: messages of the Language Server Protocol 3.17. Output: the checker's findings after each change, the
 //! canonical form, document symbols, semantic tokens and folds, completions and hover texts. Method: each open text is
 //! kept as it is in the editor (`text`); after all pending messages are read, every open program is checked as a whole,
@@ -63,6 +64,7 @@ pub enum SessionEnd {
 }
 
 /// Serves one client until it ends. The planner's results arrive through the connection, like the client's messages.
+///
 /// # Errors
 /// The first messages do not follow the protocol.
 ///

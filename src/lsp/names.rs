@@ -1,4 +1,5 @@
 //! Go to definition, find references and rename, over all open programs.
+//!
 //! Each request checks every open program once more, with open texts in place of files, so that uses in other programs
 //! that use the same file are found as well. Names of the standard library have no place that an editor can open.
 
@@ -184,6 +185,7 @@ impl ProgramNames {
     }
 
     /// The edits that rename the name at a position in all files, and the texts of these files afterwards.
+    ///
     /// # Errors
     /// The reason why it cannot have that name, or cannot be renamed at all.
     // `Uri` is the protocol library's type; its hash depends on its text only, so it may be a key.

@@ -1,4 +1,5 @@
 //! The planner's results for saved programs, in the form that editors show.
+//!
 //! Planning may take long, so a [`ProgramPlanner`] runs it elsewhere and sends the result as a message. Tickets
 //! distinguish results for the current text from results for an earlier one.
 

@@ -1,4 +1,5 @@
 //! Hover texts: the words of the vocabulary and their meanings.
+//!
 //! The words are those of the kinds whose published devices the text uses, or of all kinds if it uses none; they come
 //! from the tables that the checker reads.
 

@@ -1,7 +1,9 @@
 //! Parser: text to syntax tree.
+//!
 //! Input: the text of one file. Output: its [`Tree`] and, in the sink, one diagnostic for each mistake. Guarantee:
 //! there is always a tree, every node's span lies in its parent's, and everything that could be read around a mistake
 //! is in it.
+//!
 //! Parsing takes three passes. `scan` reads characters; it reports text that no grammar rule can recover from and
 //! covers it. pest parses the rest with `grammar/*.pest`, whose lists end in catch-all rules. The `Reader` turns pest's
 //! pairs into the tree and reports the faults in the parts that only the catch-all rules accepted.

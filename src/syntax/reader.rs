@@ -1,4 +1,5 @@
 //! Turns pest's pairs into the tree: the shared parts of the walk.
+//!
 //! Input: the pairs of one text. Output: tree nodes with owned spans, and findings. Guarantee: one finding for every
 //! mark that the grammar left where it recovered from a mistake, and none for text that `scan` has covered.
 

@@ -1,4 +1,5 @@
 //! Character scan before parsing.
+//!
 //! Input: the text of a file. Output: a text of the same length, with the findings and the places of the doc comments.
 //! In that text, parts that no rule can recover from are covered with [`super::cursor::HOLE`], foreign spellings are
 //! replaced by Tweeze's, and a line end after which a forgotten `}` is assumed is a [`super::cursor::CUT`]; offsets do

@@ -1,4 +1,5 @@
 //! Syntax tree of one file: the text with its places, without meaning.
+//!
 //! Every node carries its span, and a child's span lies in its parent's. Parts that could not be read are
 //! [`ExprKind::Error`] or an `Error` entry; their diagnostic was pushed during parsing, so later stages ignore them.
 //! Verbs, fields, nouns and shapes are plain words here: device kinds add no node types.

@@ -1,5 +1,7 @@
 //! The book in `docs/` and the README: every code block does what its page says, and every link has a target.
+//!
 //! The first word after a fence says what a block is; the words after it say what must hold:
+//!
 //! - `twz`: a whole program in its canonical form, compiled without an error or a warning. `reports=E0503,W0511`: with
 //!   these codes and no others. `file=fetch.twz`: the program is a file for the blocks after it, and the line before
 //!   the fence is its name, **`fetch.twz`**. A comment `<!-- twz … -->` before the block has the rest of a program of
@@ -13,6 +15,7 @@
 //! - any word with `of=PATH`: lines of that file, as it is or as the blocks before it have written it; `…` as above.
 //! - `toml` and `lua` with `bench`: settings of editors, which are not run.
 //! - `text`: nothing to run.
+//!
 //! Each page has its own folder with a copy of `examples`, in which its blocks run one after the other. A file that
 //! they write as `pictures/NAME.svg` is compared with the picture `docs/pictures/tutorials/NAME.svg`. `TWEEZE_UPDATE=1
 //! cargo test --test explain book` rewrites what commands print and the generated pages: read the changes before

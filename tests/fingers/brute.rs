@@ -1,5 +1,6 @@
 //! Least effort of a task, by Dijkstra's algorithm over every grasp at every angle of every turn, with all turns in one
 //! search.
+//!
 //! It shares nothing with the planner: ellipses are integrated here, a linear program over spatial forces and torques
 //! (`forces`) decides whether a grasp holds, and all edges are examined. Taken from docs/language.md: the places of
 //! contacts, the rule that a grasp holds at 63 instants of a step with the reserve kept back, which fingers may be

@@ -1,5 +1,6 @@
 //! More decompositions of an orientation than are searched: the planner makes no claim that one of the others might
 //! undercut.
+//!
 //! At most 48 decompositions of an orientation and 256 of a task are searched, in each case those that turn least. The
 //! brute force considers all of them.
 

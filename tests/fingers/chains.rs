@@ -1,4 +1,5 @@
 //! Consecutive tasks: claims about the second task hold for every grasp that the first could have left.
+//!
 //! As one task, the same turns are searched together, so that plan is optimal over both.
 
 use super::case::{Case, Step};

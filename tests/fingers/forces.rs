@@ -1,4 +1,5 @@
 //! Whether tip forces balance the wrench on a part: a small linear program, solved by the plain simplex method.
+//!
 //! A tip that presses with n and sticks with s exerts forces along both tangents and a torque about its normal, within
 //! the friction pyramid: friction times n + s. The pyramid has eight edges, so a balance is a sum of edges with
 //! non-negative weights whose sum for each tip is at most the tip's greatest pressing force plus its sticking force.

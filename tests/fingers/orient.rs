@@ -1,5 +1,6 @@
 //! Decompositions of an orientation according to docs/language.md: up to three turns about z and y, each by the nearest
 //! number of steps or the next one, the short way round or the long one.
+//!
 //! The exact angles are found by search: the middle one from its effect on the axis of the first turn, the others from
 //! the remaining rotation.
 

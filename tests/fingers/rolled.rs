@@ -1,4 +1,5 @@
 //! Independent integration: tips touch an outline that is given by a formula here, and roll on it without slip.
+//!
 //! None of the crate's geometry is used. At each instant the velocity of the part is the least-squares fit over all
 //! tips that carries the touched points along with the tips; it is integrated by the midpoint rule along the motion of
 //! the stages. Recorded poses and the figures of `reached` must agree with the result.

@@ -1,5 +1,6 @@
 //! Bounds on the time, the control cycles and the strokes of drives, compared with all sequences of control states on
 //! small beds and with shortcuts of real plans.
+//!
 //! The motion model is independent: it shares nothing with the planner or the verifier. `TWEEZE_ORACLE_CASES=1000` runs
 //! more cases.
 

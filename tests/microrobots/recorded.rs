@@ -1,5 +1,6 @@
 //! Recordings of controlled runs: those of a bed within its error bounds are accepted, and each edit is refused by the
 //! rule that it breaks.
+//!
 //! The simulated bed keeps the bounds on the device's errors, and its robots are moved by other code than the judge's,
 //! so that refusing one of its runs would be a false alarm. `TWEEZE_ORACLE_CASES=1000` runs more trials.
 

@@ -1,5 +1,6 @@
 //! Fingerprints of all outputs of all examples, in `tests/data/outputs.sha256` in the format of `sha256sum`: a change
 //! of any byte, on some platform or by a change of the compiler, fails here.
+//!
 //! `TWEEZE_UPDATE=1 cargo test --test portable outputs` rewrites them after an intended change.
 
 use super::bench::{done, files, root, tweeze};

@@ -1,5 +1,6 @@
 //! Kills and signals at every call that names, writes or synchronises a file: the set of files that a build leaves is
 //! entirely old or entirely new.
+//!
 //! `tests/data/last_call.c`, preloaded, ends the process at a chosen call.
 
 use super::bench::{Bench, DONE, FILES, says};

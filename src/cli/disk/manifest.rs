@@ -47,6 +47,7 @@ impl Manifest {
     }
 
     /// Records files as built from a program; returns whether that changes anything.
+    ///
     /// # Errors
     /// A file there was built from another program, and may not be replaced.
     pub fn enter(&mut self, to: &Destination, files: &[OutputFile]) -> Diagnosed<bool> {

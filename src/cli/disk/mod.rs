@@ -66,6 +66,7 @@ pub fn is_standard_input(argument: &Path) -> bool {
 }
 
 /// Reads the program that an argument names; also returns its path, or the name of standard input.
+///
 /// # Errors
 /// A diagnostic: it cannot be read, is too large, or is not UTF-8.
 pub fn read_argument(argument: &Path) -> Diagnosed<(PathBuf, String)> {

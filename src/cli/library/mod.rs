@@ -1,4 +1,5 @@
 //! Libraries that used files are read from: the disk, or a log.
+//!
 //! Files are named by paths relative to the program's folder, so that outputs do not depend on where a program is
 //! stored or how its path was typed; messages show the path that was typed.
 

@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 
 /// Verifies a recording and returns its report: the recording is intact, its program has the claims that it contains,
 /// and the commands and measurements keep them.
+///
 /// # Errors
 /// The refusal.
 pub fn judge(arguments: &VerifyArguments, bytes: &[u8]) -> Result<String, Box<Refusal>> {

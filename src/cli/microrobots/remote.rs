@@ -36,6 +36,7 @@ pub struct RemotePilot<'a> {
 
 impl<'a> RemotePilot<'a> {
     /// Starts a controller and connects to it.
+    ///
     /// # Errors
     /// A message that says what went wrong.
     pub fn start(order: &'a MicrorobotsOrder, task: &RemoteTask) -> Result<Self, String> {

@@ -1,5 +1,6 @@
 //! Report of a build: one line for each thing checked, planned, verified and written. [`LiveReport`] prints them as the
 //! build proceeds.
+//!
 //! The text of a plan's line depends on the kind; it is in a file with the kind's name.
 
 mod dimibot;

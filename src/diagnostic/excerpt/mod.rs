@@ -1,5 +1,6 @@
 //! Excerpt of a file for a report: the lines around the labels, with long lines cropped and overlapping labels
 //! separated.
+//!
 //! A report is drawn from this small copy instead of the file, so that a line of a megabyte prints as a few words and
 //! the cost of a report depends only on what it shows.
 

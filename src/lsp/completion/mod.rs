@@ -1,4 +1,5 @@
 //! Completion: the words that the language and the kind allow at the cursor, and the names that fit there.
+//!
 //! The context comes from what is open before the cursor; names, devices and scenes come from the declarations of the
 //! whole text and of the files that it uses. If the kind of a device is unknown, the words of all kinds that the text
 //! uses are offered.

@@ -1,9 +1,11 @@
 //! Crash-safe replacement of a set of files in a folder: after a kill at any instant, the next build finds the complete
 //! old set or completes the new one.
+//!
 //! 1. The files are staged beside their targets, under names that begin with `.tweeze-`, and synchronised.
 //! 2. A journal that lists them is written under a draft name, synchronised, and renamed to [`JOURNAL`]. From then on
 //!    the new set is valid.
 //! 3. Each file is renamed over its target, so that a reader never finds it missing; then the journal is removed.
+//!
 //! The next build into the folder, or the verification of a log in it, first completes a journal that was left behind.
 //! The next build also removes staged files without a journal. A set of one file needs no journal: its single rename is
 //! the commit. If a rename fails, a journal that restores the old files is written; they were kept by hard links. The

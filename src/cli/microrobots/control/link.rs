@@ -52,6 +52,7 @@ impl Answers {
     }
 
     /// Sends a line and waits until it is written, at most for a given time.
+    ///
     /// # Errors
     /// The line was not written; later lines are refused too.
     pub fn send(&mut self, text: &str, within: Duration, is_interrupted: impl Fn() -> bool) -> Result<(), NotTaken> {
@@ -95,6 +96,7 @@ pub enum Address {
 
 impl Address {
     /// Parses `HOST:PORT` or `unix:PATH`.
+    ///
     /// # Errors
     /// A message that says what is wrong; only addresses of this machine are allowed.
     pub fn parse(text: &str) -> Result<Address, String> {
@@ -122,6 +124,7 @@ pub fn standard() -> Link {
 }
 
 /// Checks whether an address can be listened at, before work is done for a connection that cannot be made.
+///
 /// # Errors
 /// It cannot be listened at.
 pub fn check(address: &Address) -> io::Result<()> {
@@ -137,6 +140,7 @@ pub fn check(address: &Address) -> io::Result<()> {
 
 /// Waits for one connection; `ready` is called with the address once clients can connect. `None` if it was interrupted
 /// first.
+///
 /// # Errors
 /// The address cannot be listened at.
 pub fn accepted(

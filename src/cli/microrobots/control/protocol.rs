@@ -22,6 +22,7 @@ pub struct Measured {
 }
 
 /// Parses a line of measured poses.
+///
 /// # Errors
 /// A message that says what is wrong with the line.
 pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String> {
