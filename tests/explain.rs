@@ -1,9 +1,9 @@
 //! Pages of `tweeze explain`: every code has one, and the programs on it do what the page says.
 //!
-//! A page has fenced blocks. ```` ```twz fails ```` is a program that reports the page's code and no other; ```` ```twz
-//! mended ```` is the same program without an error or a warning. `set=name=value` and `task=name` after either word
-//! are options of `build`. ```` ```twz file=lab.twz ```` is a file beside the program of the block before it, which is
-//! itself named `main.twz`.
+//! A page has fenced blocks. ```` ```twz fails ```` is a program that reports the page's code and no other;
+//! ```` ```twz mended ```` is the same program without an error or a warning. `set=name=value` and `task=name` after
+//! either word are options of `build`. ```` ```twz file=lab.twz ```` is a file beside the program of the block before
+//! it, which is itself named `main.twz`.
 
 #[path = "book/mod.rs"]
 mod book;

@@ -29,7 +29,7 @@ pub struct Reach {
     pub extent: ReachExtent,
 }
 
-/// Extent of a [`Reach`], in the terms of its kind.
+/// Extent of a `Reach`, in the terms of its kind.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ReachExtent {
     /// Rows of neighbouring cells, as the program counts them.

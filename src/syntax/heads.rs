@@ -201,8 +201,8 @@ impl BrokenHead<'_> {
         finding.help(format!("write `{} {mend}`", self.before))
     }
 
-    /// `device bot = dimibot`, `device bot dimibot {`, `device bot : dimibot(left: 5)`, `device bot : dimibot left: 5
-    /// }`; `both` names what stands on either side of the colon.
+    /// `device bot = dimibot`, `device bot dimibot {`, `device bot : dimibot(left: 5)`,
+    /// `device bot : dimibot left: 5 }`; `both` names what stands on either side of the colon.
     fn of_base(&self, both: &str) -> Option<Diagnostic> {
         let note = format!("between {both} stands `:`");
         let word = token_at(self.text, 0);

@@ -34,8 +34,8 @@ fn after_loop(span: Span, source: &str) -> Option<Diagnostic> {
     (word.starts_with(is_word)).then(|| errors::joined(part(span, end, end + behind.len() - word.len()), source))
 }
 
-/// `for (i in 0..4) {`, `for i of list {`, `for i = 0:3 {`, `for (int i = 0; i < 4; i++) {`, `for i = 1, 3 do`, `for i
-/// in 0..4` without its brace.
+/// `for (i in 0..4) {`, `for i of list {`, `for i = 0:3 {`, `for (int i = 0; i < 4; i++) {`, `for i = 1, 3 do`,
+/// `for i in 0..4` without its brace.
 fn foreign_head(span: Span, closes: bool, source: &str) -> Option<Diagnostic> {
     let start = span.start as usize;
     let line = around::after(source, start).lines().next()?.split("//").next()?;

@@ -389,7 +389,7 @@ fn second_step(text: &str) -> Option<usize> {
     None
 }
 
-/// The name of a field whose colon is missing: a word, blanks, and a value.
+/// The name of a field whose colon is missing: a word, spaces, and a value.
 pub(super) fn field_without_colon(text: &str) -> Option<&str> {
     let name = around::token_at(text, 0);
     let rest = &text[name.len()..];

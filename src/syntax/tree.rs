@@ -103,7 +103,8 @@ pub struct Let {
     pub span: Span,
 }
 
-/// `device bot : dimibot.femto_st { left: 5 }`, and `instrument awg : waveform_generator { outputs: 2 }`, which has the same form.
+/// `device bot : dimibot.femto_st { left: 5 }`, or `instrument awg : waveform_generator { outputs: 2 }`, which has the
+/// same form.
 #[derive(Debug, Clone)]
 pub struct Device {
     pub doc: Doc,

@@ -17,9 +17,9 @@
 //! - `text`: nothing to run.
 //!
 //! Each page has its own folder with a copy of `examples`, in which its blocks run one after the other. A file that
-//! they write as `pictures/NAME.svg` is compared with the picture `docs/pictures/tutorials/NAME.svg`. `TWEEZE_UPDATE=1
-//! cargo test --test explain book` rewrites what commands print and the generated pages: read the changes before
-//! committing them.
+//! they write as `pictures/NAME.svg` is compared with the picture `docs/pictures/tutorials/NAME.svg`.
+//! `TWEEZE_UPDATE=1 cargo test --test explain book` rewrites what commands print and the generated pages: read the
+//! changes before committing them.
 
 mod bench;
 mod blocks;

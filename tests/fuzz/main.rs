@@ -6,9 +6,9 @@
 //! panic, a case that takes more than [`watch::CPU_LIMIT_S`] of processor time for each of its tasks or more than 1 GB
 //! of memory, a fresh plan that the verifier refuses, and a log of Tweeze's own that does not verify.
 //!
-//! `cargo test --test fuzz -- [--seed N] [--seconds N | --cases N] [--jobs N] [--only
-//! parse|check|map|build|sweep|verify]`; faults are written to `tmp/fuzz` of the target folder. `-- --show N` prints a
-//! case, `-- --file PATH` runs one program.
+//! Usage:
+//! `cargo test --test fuzz -- [--seed N] [--seconds N | --cases N] [--jobs N] [--only parse|check|map|build|sweep|verify]`.
+//! Faults are written to `tmp/fuzz` of the target folder. `-- --show N` prints a case, `-- --file PATH` runs one program.
 
 mod generate;
 mod judge;

@@ -27,8 +27,8 @@ fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }
 
-/// Every program in the project: examples, the standard library, the tests' programs, and those on the pages of `tweeze
-/// explain`.
+/// Every program in the project: examples, the standard library, the tests' programs, and those on the pages of
+/// `tweeze explain`.
 pub fn all() -> Vec<String> {
     let folders = ["examples", "stdlib", "tests"];
     let mut texts: Vec<String> =
