@@ -120,8 +120,8 @@ pub fn not_ours(version: &str) -> Box<Refusal> {
 }
 
 /// Verifies a log on its own: it is intact, its program has the claims that it contains, its schedule keeps the claims,
-/// and its messages show the schedule. Data are dropped as soon as they are no longer needed, because all of it
-/// together may exceed the memory.
+/// and its messages show the schedule. Data are dropped as soon as they are no longer needed, because together
+/// they may exceed the memory.
 pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<Judged, Box<Refusal>> {
     judge_log(path, bytes, log::read(bytes))
 }

@@ -239,7 +239,7 @@ impl Session<'_> {
     fn answer(&mut self, request: Request) {
         let Request { id, method, params } = request;
         if method == InlayHintRequest::METHOD {
-            // Hints are positions in the checked text.
+            // Hints refer to the checked text, so pending changes are checked first.
             self.settle();
         }
         let answer = match method.as_str() {
