@@ -1,10 +1,10 @@
-//! The corpus: programs with the report that a person sees, beside each.
+//! The corpus: programs with the report that a person sees beside each.
 //!
-//! `corpus/<stage>/*.twz` is compiled; the report, plain and 100 columns wide, must be the `.txt` of the same name. Its last line says
-//! what the page of the failed build shows.
-//! `TWEEZE_UPDATE=1` rewrites the reports: read the changes before committing them.
+//! `corpus/<stage>/*.twz` is compiled; the report, plain and 100 columns wide, must be the `.txt` file of the same
+//! name. Its last line says what the page of the failed build shows. `TWEEZE_UPDATE=1` rewrites the reports: read the
+//! changes before committing them.
 //!
-//! A first line `// set=name=value task=name` gives the options of `build`. A line `// file lab.twz` ends the program, and
+//! A first line `// set=name=value task=name` gives the options of `build`. A line `// file lab.twz` ends the program;
 //! the rest is a file beside it.
 
 #[path = "support/case.rs"]
@@ -44,7 +44,7 @@ fn report(case: &Case) -> String {
     reported + &page(case, &sources, &sink)
 }
 
-/// What the page of a failed build shows: the steps that could be built, and the places that are marked.
+/// Summary of the page of a failed build: the steps that could be built, and the marked places.
 fn page(case: &Case, sources: &Sources, errors: &Sink) -> String {
     if errors.errors() == 0 {
         return String::new();
@@ -118,7 +118,7 @@ fn what_the_planner_says() {
     hold("plan", 8);
 }
 
-/// Findings and edits are the same, whether lines end in LF or in CRLF.
+/// Findings and edits do not depend on whether lines end in LF or CRLF.
 #[test]
 fn line_ends_change_no_report() {
     let reported = |case: &Case| {
@@ -136,7 +136,8 @@ fn line_ends_change_no_report() {
     }
 }
 
-/// A file of short programs with the mistakes of a second person, each with its report: `#### NAME`, the program, `----`, the report.
+/// A file of short programs with typical mistakes of a second person, each with its report: `#### NAME`, the program,
+/// `----`, the report.
 const HABITS: &str = "tests/corpus/habits.txt";
 
 /// The programs of [`HABITS`] with their reports.
@@ -174,7 +175,7 @@ fn what_is_said_of_the_habits_of_other_languages() {
     assert_same_lines(&expected, &text);
 }
 
-/// Compares reports line by line, so that a difference is found.
+/// Compares reports line by line, so that a difference is easy to find.
 fn assert_same_lines(expected: &str, reported: &str) {
     for (nth, (expected, reported)) in expected.lines().zip(reported.lines()).enumerate() {
         assert_eq!(expected, reported, "line {} of {HABITS}", nth + 1);
@@ -182,7 +183,7 @@ fn assert_same_lines(expected: &str, reported: &str) {
     assert_eq!(expected.len(), reported.len());
 }
 
-/// The edits of each diagnostic are made, those of one at a time: it is gone then, and nothing else is wrong that was not wrong before.
+/// Applies the edits of one diagnostic at a time: afterwards it is gone, and there is no new finding.
 #[test]
 fn edits_mend_what_they_belong_to() {
     let (mut mended, mut wrong) = (0, String::new());
@@ -199,7 +200,7 @@ fn edits_mend_what_they_belong_to() {
     assert!(mended >= 100, "{mended} diagnostics");
 }
 
-/// Programs in which a further mistake only shows once the first one is mended.
+/// Programs in which a further mistake appears only once the first one is fixed.
 const HIDES_MORE: [&str; 5] = [
     "k_use_file_noquote.twz",
     "slip_require_lt.twz",
@@ -208,7 +209,7 @@ const HIDES_MORE: [&str; 5] = [
     "wire_misspelt_instrument.twz",
 ];
 
-/// Mends a program in each way that its diagnostics know; returns the number of ways.
+/// Fixes a program in each way that its diagnostics suggest; returns the number of ways.
 fn mends(broken: &Case, wrong: &mut String) -> usize {
     let (_, sink) = broken.compile();
     let found = sink.sorted();

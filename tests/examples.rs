@@ -1,4 +1,4 @@
-//! Every example with something to build: checked without diagnostics, built, verified, written in every format.
+//! Every example with something to build: checked without diagnostics, built, verified, and written in every format.
 
 mod support;
 
@@ -42,7 +42,8 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
         let built = build_in(&folder(), &text);
         assert!(built.codes.is_empty() && !built.schedules.is_empty(), "{name}: {:?}", built.codes);
         let files = built.files();
-        // G-code is of stages only, a sheet of droplets; a generator has a script and its description, a card its samples, a driver of electrodes its frames, each format a sender.
+        // G-code is written for stages only, a loading sheet for droplets only. A generator has a script and its
+        // description, a card its samples, an electrode driver its frames, and each format a sender.
         let are_stages =
             |schedule: &Schedule| schedule.channels.iter().all(|channel| channel.unit == ChannelUnit::Micrometre);
         let of_instruments = |schedule: &Schedule| -> usize {
@@ -54,7 +55,7 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
                     2 + schedule.holds.iter().filter(goes_on).count()
                 }
                 InstrumentFacts::StageController(_) => 2,
-                // Its G-code is counted with that of all schedules of stages.
+                // Its G-code is counted with the schedules of stages.
                 InstrumentFacts::MachineController(_) => 0,
                 InstrumentFacts::ElectrodeDriver(_) if switches_accessories(schedule) => 2,
                 InstrumentFacts::ElectrodeDriver(facts) => {
@@ -67,7 +68,7 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
         let of_kinds = |verified: &Verified| {
             usize::from(are_stages(verified.schedule())) + usize::from(carries_droplets(verified))
         };
-        // What waits has no tables and waveforms, which have one clock.
+        // A schedule that waits has no tables and waveforms, because these have a single clock.
         let of_one_clock = |schedule: &Schedule| if schedule.holds.is_empty() { 5 } else { 0 };
         let due = built
             .schedules
@@ -78,9 +79,9 @@ fn every_example_builds_without_a_word_and_is_written_in_every_format() {
         let plans = built.schedules.iter().flat_map(|verified| &verified.schedule().plans);
         for plan in plans {
             let assembles = plan.states.iter().any(|timed| has_docked(&timed.state));
-            // Of assemblies and drives on a bed only bounds are known.
+            // For assemblies and drives on a bed only bounds are known.
             let is_open = assembles || name == "microrobots_drive.twz";
-            // A share of failures is an estimate, of which nothing is proven.
+            // A share of failures is an estimate, about which nothing is proven.
             let is_estimate = plan.objective == "failures";
             let is_bound = plan.bound <= plan.cost && (is_estimate || plan.bound > 0.0);
             assert!(is_bound && plan.optimal == (plan.bound == plan.cost), "{name}");
@@ -107,7 +108,7 @@ fn a_file_without_tasks_is_only_there_to_be_used() {
     }
 }
 
-/// The sheet for the bench of an example that dilutes.
+/// The loading sheet of an example that dilutes.
 fn sheet_of(example: &str) -> String {
     let text = examples().into_iter().find(|(name, _)| name == example).map(|(_, text)| text);
     let files = build_in(&folder(), &text.expect("the example")).files();
@@ -137,7 +138,7 @@ fn a_sheet_says_what_to_load_and_what_is_left() {
     has("`half5`, 1 droplet: 63/64 buffer, 1/64 dye |\n");
     has("| left at (14, 1) | `sample`, 1 droplet: 63/64 buffer, 1/64 dye |\n");
     assert!(!sheet.contains("prompt"), "it waits for nobody:\n{sheet}");
-    // Every operation has its row, in the order of time.
+    // Every operation has its row, in order of time.
     let run = sheet.split("## Run").nth(1).and_then(|rest| rest.split("## After").next()).expect("a table");
     assert_eq!(run.lines().filter(|line| line.contains("| chip |")).count(), 2 + 6 * 6);
 }

@@ -1,9 +1,9 @@
-//! The pages of `tweeze explain`: every code has one, and the programs on it do what the page says.
+//! Pages of `tweeze explain`: every code has one, and the programs on it do what the page says.
 //!
-//! A page has fenced blocks. ```` ```twz fails ```` is a program that yields the page's code and no other; ```` ```twz mended ````
-//! is the same program without an error or a warning. `set=name=value` and `task=name` after either word are the
-//! options of `build`. ```` ```twz file=lab.twz ```` is a file beside the program of the block before it, which is itself called
-//! `main.twz`.
+//! A page has fenced blocks. ```` ```twz fails ```` is a program that reports the page's code and no other;
+//! ```` ```twz mended ```` is the same program without an error or a warning. `set=name=value` and `task=name` after
+//! either word are options of `build`. ```` ```twz file=lab.twz ```` is a file beside the program of the block before
+//! it, which is itself named `main.twz`.
 
 #[path = "book/mod.rs"]
 mod book;
@@ -16,10 +16,10 @@ use std::path::Path;
 use tweeze::diagnostic::render::{Characters, Colour, Look, human};
 use tweeze::diagnostic::{Code, Diagnostic};
 
-/// Codes that no program alone can yield: a schedule broken by hand, or a file, does.
+/// Codes that a program alone cannot cause; they need a schedule broken by hand, or a file.
 const WITHOUT_PROGRAMS: [&str; 2] = ["E07", "E08"];
 
-/// What a program of a page is there to show.
+/// What a program on a page demonstrates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Promise {
     Fails,
@@ -95,7 +95,7 @@ fn every_page_has_its_heading() {
 fn every_code_is_told_somewhere() {
     let mut text = String::new();
     read_all(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut text);
-    // A rule of the verifier names its code in the row of its sentence.
+    // A verifier rule names its code in the table row of its sentence.
     for code in Code::ALL.iter() {
         let is_told = [format!("Code::{code}"), format!(" {code} \"")].iter().any(|reported| text.contains(reported));
         assert!(is_told, "nobody tells {code}");

@@ -1,4 +1,5 @@
-//! Figures of the paper, through the language: V. Chalvet, Y. Haddab, P. Lutz, J. Mechanisms and Robotics 8(2), 2016, 021013.
+//! Figures of the paper, reproduced through the language: V. Chalvet, Y. Haddab, P. Lutz, J. Mechanisms and Robotics
+//! 8(2), 2016, 021013.
 
 // The expected figures come from the platform's own mathematics.
 #![allow(clippy::disallowed_methods)]
@@ -9,12 +10,13 @@ use support::build;
 use tweeze::schedule::dimibot::DimibotState;
 use tweeze::schedule::{PlanRecord, State};
 
-/// The cell pitch of a robot with so many modules a side, in micrometres (equation 2: K = 0.138, a stroke of 35 um).
+/// The cell pitch of a robot with `modules` modules on each side, in micrometres (equation 2: K = 0.138, stroke 35 um).
 fn pitch_um(modules: i32) -> f64 {
     0.138 * 35.0 * std::f64::consts::SQRT_2 / f64::from(1 << (modules - 1))
 }
 
-/// A program for `modules` a side: from one word to another, past cells given by their words.
+/// A program for a robot with `modules` modules on each side: from one word to another, past obstacle cells that are
+/// given as words.
 fn program(modules: u32, start: u32, goal: u32, obstacles: &[u32], settings: &str) -> String {
     let word = |number: u32| format!("0b{number:0width$b}", width = 2 * modules as usize);
     let cell = |number: u32| format!("({}, {})", number >> modules, number & ((1 << modules) - 1));
@@ -28,7 +30,7 @@ fn program(modules: u32, start: u32, goal: u32, obstacles: &[u32], settings: &st
     )
 }
 
-/// The one plan of a program; `None` if it is proven that there is none.
+/// The only plan of a program; `None` if it is proven that there is none.
 fn plan(text: &str) -> Option<PlanRecord> {
     let built = build(text);
     match built.codes.as_slice() {
@@ -46,7 +48,7 @@ fn words(plan: &PlanRecord) -> Vec<u64> {
     plan.states.iter().map(|timed| word(&timed.state)).collect()
 }
 
-/// The cost in units of r, which must be whole.
+/// The cost in units of r, which must be an integer.
 fn cost_r(plan: &PlanRecord, modules: i32) -> u32 {
     let cost = plan.cost / pitch_um(modules);
     assert!((cost - cost.round()).abs() < 1e-9 && plan.optimal && plan.bound == plan.cost);
@@ -77,7 +79,7 @@ fn figure_seven_costs_thirty_by_every_planner() {
     }
 }
 
-/// The rows of a table of the paper: numbers between commas.
+/// The rows of a table of the paper: numbers separated by commas.
 fn rows(table: &str) -> Vec<Vec<u32>> {
     let lines = table.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit()));
     lines.map(|line| line.split(',').map(|cell| cell.parse().expect("a number")).collect()).collect()
@@ -97,11 +99,12 @@ fn table_one_is_a_way_of_thirty_that_the_robot_can_go() {
         let plan = plan(&program(4, from, to, &[], "minimize distance")).expect("an edge");
         assert_eq!((cost_r(&plan, 4), words(&plan).len()), (then - at, 2), "{from:08b} to {to:08b}");
     }
-    // The row before the last is where the printed table ends: one move short of the goal.
+    // The printed table ends at the row before the last, one move short of the goal.
     assert_eq!(table[table.len() - 2], (0b0110_0111, 29));
 }
 
-/// The graph for N = 2 as the compiler has it: a pair of words is an edge if a plan switches one module.
+/// Edge weight of the graph for N = 2 according to the compiler: a pair of words is an edge if a plan switches one
+/// module.
 fn edge_weight(from: u32, to: u32, obstacles: &[u32]) -> u32 {
     let plan = plan(&program(2, from, to, obstacles, "minimize switches"));
     match plan.filter(|plan| words(plan).len() == 2) {
@@ -129,7 +132,7 @@ fn table_two_is_the_graph_but_for_the_misprint_in_row_thirteen() {
 
 #[test]
 fn an_obstacle_at_six_takes_exactly_six_edges_away() {
-    // Edges at 6 itself cannot be asked for, since nothing starts or ends on an obstacle.
+    // Edges at 6 itself cannot be tested, because nothing starts or ends on an obstacle.
     let others = (0..16).filter(|word| *word != 6);
     let pairs = others.clone().flat_map(|from| others.clone().map(move |to| (from, to))).filter(|(a, b)| a < b);
     let gone: Vec<(u32, u32)> =
@@ -142,7 +145,8 @@ fn an_obstacle_at_six_takes_exactly_six_edges_away() {
     assert_eq!(build(&program(2, 6, 2, &[6], "")).codes, ["E0505"]);
 }
 
-/// Published pitches: 1.71 um and a reach of 11.95 um for three modules a side, 213 nm for six, 1.67 nm for thirteen.
+/// Published pitches: 1.71 um and a range of 11.95 um for three modules on each side, 213 nm for six, 1.67 nm for
+/// thirteen.
 #[test]
 fn published_pitches_are_met() {
     for (modules, cells, place_um, digits) in
@@ -163,7 +167,7 @@ fn published_pitches_are_met() {
     }
 }
 
-/// What each switch takes: 15 ms and 30 mJ (section 3.2).
+/// Cost of each switch: 15 ms and 30 mJ (section 3.2).
 #[test]
 fn time_and_energy_follow_the_switches() {
     let plan = plan(&program(4, 0b1000_1000, 0b0111_0111, &[], "minimize energy")).expect("a way");

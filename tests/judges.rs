@@ -1,7 +1,8 @@
-//! The third-party readers of `tests/oracles`, on the files that the built program writes for the examples.
+//! The third-party readers of `tests/oracles`, applied to the files that the built program writes for the examples.
 //!
-//! Not run by libtest, so that skipped tests are reported. `TWEEZE_ORACLE_PYTHON` names the Python that has the readers; otherwise
-//! `.venv-oracle/bin/python` or `python3` is tried; with `TWEEZE_REQUIRE_ORACLES=1` a missing judge is a failure.
+//! Not run by libtest, so that skipped tests are reported. `TWEEZE_ORACLE_PYTHON` names the Python that has the
+//! readers; otherwise `.venv-oracle/bin/python` or `python3` is tried. With `TWEEZE_REQUIRE_ORACLES=1` a missing judge
+//! is a failure.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -32,7 +33,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// The files of all examples, each example's in a folder of its own: programs of different examples may have one name.
+/// Writes the files of all examples, each into its own folder, because programs of different examples may have the same
+/// name.
 fn write_all(examples: &[PathBuf], folder: &Path) -> Result<(), String> {
     let next = AtomicUsize::new(0);
     let work = || {
@@ -48,9 +50,9 @@ fn write_all(examples: &[PathBuf], folder: &Path) -> Result<(), String> {
     })
 }
 
-/// The files of an example, in all formats that its channels and instruments have.
+/// Writes the files of an example, in all formats that its channels and instruments support.
 fn write(example: &Path, folder: &Path) -> Result<(), String> {
-    // Tables and waveforms have one clock, and cannot wait.
+    // Tables and waveforms have a single clock and cannot wait.
     let waits = std::fs::read_to_string(example).unwrap_or_default().contains("  prompt ");
     let formats = if waits { "mcap,json,svg" } else { "mcap,json,csv,vcd,pwl,svg" };
     build(example, formats, folder)?;
@@ -75,7 +77,7 @@ fn write(example: &Path, folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// What the built program writes for an example.
+/// Builds an example with the built program.
 fn build(example: &Path, formats: &str, folder: &Path) -> Result<(), String> {
     let program = env!("CARGO_BIN_EXE_tweeze");
     let built = Command::new(program).args(["build", "--emit", formats, "-o"]).arg(folder).arg(example).output();
@@ -106,7 +108,7 @@ fn is_of_stages(schedule: &Value) -> bool {
     schedule["channels"].as_array().is_some_and(|channels| channels.iter().all(|channel| channel["unit"] == "um"))
 }
 
-/// Whether MicroDrop drives a board of a schedule, and no magnet or heater with it; the examples wait for people only.
+/// Whether MicroDrop drives a board of a schedule and no magnet or heater; the examples wait only for people.
 fn is_of_microdrop(schedule: &Value) -> bool {
     let drives = schedule["bench"]["drives"].as_object();
     let is_accessory = |drive: &Value| drive["output"].as_str().is_some_and(|output| output.starts_with(['m', 'h']));
@@ -132,7 +134,7 @@ fn fail(why: &str) -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// The examples with tasks of their own, in a fixed order.
+/// The examples with their own tasks, in a fixed order.
 fn examples(root: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(root.join("examples")).into_iter().flatten().flatten();
     let is_program = |path: &PathBuf| {

@@ -1,4 +1,4 @@
-//! Diagnostics and reports for other programs: `--format short`, `json`, `github` and `sarif`.
+//! Machine-readable diagnostics and reports: `--format short`, `json`, `github` and `sarif`.
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 const SOUND: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
 
-/// No task, of which there is a warning, and a name of letters of several bytes that is declared twice.
+/// A program without a task, which is a warning, and with a name of multi-byte letters that is declared twice.
 const BROKEN: &str = "let µ位 = 3 um\nlet µ位 = 4 um\n";
 
 fn bench() -> TempDir {
@@ -70,7 +70,8 @@ fn json_has_the_place_and_all_labels() {
     assert!(error["edits"].is_null() && unreadable["edits"].is_null(), "nothing is known to the letter");
 }
 
-/// Two edits that belong together: `=>` for `->` with its blanks, and brackets on both sides of a place.
+/// A program with fixes of two edits that belong together: `=>` for `->` with its spaces, and brackets on both sides of
+/// a place.
 const MENDABLE: &str =
     "use std.dimibot\ndevice bot = dimibot.femto_st { stroke: 1 µV }\ntask go on bot { move to 1, 2; }\n";
 
@@ -80,7 +81,7 @@ fn edits_stand_in_json_and_sarif() {
     fs::write(bench.path().join("mend.twz"), MENDABLE).expect("written");
     let failed = run(&bench, &["check", "mend.twz", "--format", "json"]).code(1);
     let mut text = MENDABLE.to_owned();
-    // From the last one on, so that the places of the others stay.
+    // Applied from the last one on, so that the offsets of the others stay valid.
     let mut edits: Vec<Value> = err(&failed)
         .lines()
         .map(parsed)
@@ -152,7 +153,7 @@ fn workflow_commands_are_escaped() {
     assert!(lines[1].starts_with(&format!("::error {place}::")) && text.contains("%0Ahelp: "), "{text}");
 }
 
-/// What Tweeze uses of SARIF 2.1.0, by sections 3.13 (document) to 3.30 (regions) of the standard.
+/// The part of SARIF 2.1.0 that Tweeze uses, by sections 3.13 (document) to 3.30 (regions) of the standard.
 fn schema() -> Value {
     let text = json!({ "type": "object", "required": ["text"], "additionalProperties": false, "properties": {
         "text": { "type": "string", "minLength": 1 }, "markdown": { "type": "string", "minLength": 1 } } });

@@ -1,4 +1,4 @@
-//! The house rules, checked on the project's own files.
+//! House rules, checked on the project's own files.
 
 #[path = "tidy/circles.rs"]
 mod circles;
@@ -24,7 +24,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Every file under a folder with an ending, as its path from the root and its text, by path.
+/// Every file with an extension under a folder, as its path from the root and its text, by path.
 fn files(folder: &str, ending: &str) -> Vec<(String, String)> {
     let mut found = Vec::new();
     let mut open = vec![root().join(folder)];
@@ -51,7 +51,7 @@ fn sources() -> Vec<(String, String)> {
     files("src", "rs")
 }
 
-/// All Rust text of the project.
+/// All Rust files of the project.
 fn rust() -> Vec<(String, String)> {
     ["src", "tests", "benches", "fuzz"]
         .iter()
@@ -60,7 +60,7 @@ fn rust() -> Vec<(String, String)> {
         .collect()
 }
 
-/// The text without comments, and without what stands in strings.
+/// A text without comments and without the content of strings.
 fn code(text: &str) -> String {
     let mut lines = Vec::new();
     let mut goes_on = false;
@@ -80,14 +80,14 @@ fn code(text: &str) -> String {
                 kept.push(c);
             }
         }
-        // A string goes on in the next line after a `\`.
+        // After a `\` a string continues on the next line.
         goes_on = quoted && line.ends_with('\\');
         lines.push(kept);
     }
     lines.join("\n")
 }
 
-/// The code of a file up to its tests.
+/// The code of a file without its tests.
 fn without_tests(text: &str) -> String {
     let code = code(text);
     code.split("\n#[cfg(test)]\nmod tests {").next().unwrap_or_default().to_owned()
@@ -97,12 +97,12 @@ fn is_test_file(path: &str) -> bool {
     path.contains("/tests/") || path.ends_with("/tests.rs") || path.ends_with("/fixture.rs")
 }
 
-/// All that the verifier names of `geometry`: what claims are written in, their greatest coordinate, and the switch that puts faults in
-/// for the tests. Nothing that measures is among it.
+/// Everything in `geometry` that the verifier names: the types that claims are written in, the greatest coordinate, and
+/// the switch that injects faults for tests. None of it measures anything.
 const SEEN_OF_GEOMETRY: [&str; 9] =
     ["Fault", "MAX_EXTENT_UM", "Outline", "Pose", "Shape", "fault", "outline", "shape", "through"];
 
-/// What planners and the verifier both call of `device`, and why that is no measure that could deceive both.
+/// Functions of `device` that both planners and the verifier call, and why a fault in them could not deceive both.
 const SHARED: &[(&str, &str)] = &[
     ("apart", "the figure of a separation, or the one that stands for the published table"),
     ("axes", "the unit vectors of a hand's two planes"),
@@ -113,10 +113,10 @@ const SHARED: &[(&str, &str)] = &[
     ("dimension", "whether an outcome is a length, a time or a count"),
 ];
 
-/// Names that the language's own types have too, or that say nothing of whose they are; and `quantity::digits`.
+/// Names that the standard types have too, or that do not show whose they are; and `quantity::digits`.
 const COMMON: &[&str] = &["digits", "find", "key", "name", "new", "of", "round", "vocabulary"];
 
-/// All code of a room, tests left out.
+/// All code of a room, without tests.
 fn room_code(wanted: &str) -> String {
     let files = sources().into_iter().filter(|(path, _)| room(path) == wanted && !is_test_file(path));
     files.map(|(_, text)| without_tests(&text)).collect::<Vec<_>>().join("\n")
@@ -127,7 +127,7 @@ fn calls(code: &str, name: &str) -> bool {
     code.match_indices(&format!("{name}(")).any(|(at, _)| !code[..at].ends_with(is_word))
 }
 
-/// The names of the functions that a text declares and others can see, `const` ones too.
+/// The names of the visible functions that a text declares, including `const` ones.
 fn open_functions(code: &str) -> BTreeSet<String> {
     let word = |rest: &str| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let heads = code.lines().filter_map(|line| {
@@ -138,21 +138,21 @@ fn open_functions(code: &str) -> BTreeSet<String> {
     heads.map(word).collect()
 }
 
-/// What a text names after `crate::` and a room, and in the group that follows.
+/// The names that a text uses from a room of the crate, also in groups.
 fn named_of(code: &str, room: &str) -> BTreeSet<String> {
     let mark = format!("crate::{room}::");
     let ends = |c: char| !(c.is_alphanumeric() || "_:{}, \n".contains(c));
     let of_path = |(at, _): (usize, &str)| {
         let rest = &code[at + mark.len()..];
         let path = rest.split(ends).next().unwrap_or_default();
-        // Without a group a path ends where the next word begins.
+        // Without a group, a path ends at the next word.
         let path = if path.contains('{') { path } else { path.split(' ').next().unwrap_or_default() };
         path.split(|c: char| !(c.is_alphanumeric() || c == '_')).map(str::to_owned).collect::<Vec<_>>()
     };
     code.match_indices(&mark).flat_map(of_path).filter(|word| !word.is_empty()).collect()
 }
 
-/// A measure that planners and the verifier shared would deceive both where it is wrong, so the verifier has measures of its own.
+/// An error in a measure shared by planners and the verifier would deceive both, so the verifier has its own measures.
 #[test]
 fn the_verifier_measures_by_itself() {
     let verify = room_code("verify");
@@ -164,7 +164,7 @@ fn the_verifier_measures_by_itself() {
         .into_iter()
         .filter(|name| calls(&verify, name) && !own.contains(name) && !COMMON.contains(&name.as_str()))
         .collect();
-    // `Plane::normal` of `device` is called so, too.
+    // `Plane::normal` of `device` has the same name.
     assert_eq!(called, ["normal", "through"], "what the verifier calls of `geometry`");
     assert_eq!(
         named_of("use crate::a::{b::C, d};\nx(crate::a::e::f(1), y)\nuse crate::ab::c;", "a"),
@@ -176,8 +176,8 @@ fn word_at(text: &str) -> String {
     text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
 }
 
-/// Names that the verifier declares itself are left out but for those listed: whether a fault in the other one is noticed is asked by
-/// the tests of the verifier, which put them in.
+/// Functions that the verifier also declares itself are exempt unless listed. Whether a fault in its own copy is
+/// noticed is tested by the verifier's tests, which inject faults.
 #[test]
 fn what_planners_and_verifier_share_is_listed() {
     let (plan, verify) = (room_code("plan"), room_code("verify"));
@@ -205,7 +205,7 @@ fn every_room_is_known_to_these_rules() {
     }
 }
 
-/// Only `verify` can make a `Verified`, and only with the planner out of sight.
+/// Only `verify` can make a `Verified`, and only without access to the planner.
 #[test]
 fn the_ticket_is_made_in_one_place() {
     for (path, text) in sources().into_iter().filter(|(path, _)| !is_test_file(path)) {
@@ -259,20 +259,20 @@ fn a_kind_has_the_same_name_in_every_stage() {
     assert_eq!(listed.matches("pub mod ").count() - others, KINDS.len(), "a kind is missing in `KINDS`");
 }
 
-/// What a kind may cost outside its own files: shared files that name it in code, and lines of these.
+/// Limits on what a kind may cost outside its own files: shared files that name it in code, and lines in them.
 const MAX_SHARED_FILES: usize = 10;
 const MAX_SHARED_LINES: usize = 15;
 
-/// Files and lines that a kind has for what no other kind offers.
+/// Extra files and lines of a kind for features that no other kind has.
 const OWN_OFFERS: &[(&str, [usize; 2])] = &[
-    // It is simulated and controlled, and tables of voltages are suggested for it.
+    // It is simulated and controlled, and voltage tables are suggested for it.
     ("microrobots", [1, 5]),
-    // It has liquids to load, which a sheet lists.
+    // It has liquids to load, which a loading sheet lists.
     ("electrode_array", [1, 4]),
 ];
 
-/// How often the shared files name a kind in code, by file: `dimibot` as a word, or a word that begins with `Dimibot`. A file or a
-/// folder of the kind's name is its own.
+/// Number of lines of code in shared files that name a kind, by file: `dimibot` as a word, or a word that begins with
+/// `Dimibot`. A file or folder with the kind's name is its own.
 fn names_of_kind(kind: &str) -> BTreeMap<String, usize> {
     let is_of_word = |c: char| c.is_alphanumeric() || c == '_';
     let is_own = |path: &str| path.trim_end_matches(".rs").split('/').any(|part| KINDS.contains(&part));
@@ -283,7 +283,7 @@ fn names_of_kind(kind: &str) -> BTreeMap<String, usize> {
     counts.filter(|(_, lines)| *lines > 0).collect()
 }
 
-/// The page that says what a fifth kind costs names every shared file that names one.
+/// The page on the cost of a fifth kind names every shared file that names a kind.
 #[test]
 fn shared_files_seldom_name_a_kind() {
     let mut all = BTreeSet::new();
@@ -306,7 +306,7 @@ fn shared_files_seldom_name_a_kind() {
 /// The largest share of types that may have their name from another type, in percent.
 const MAX_SHARED_NAMES: usize = 5;
 
-/// A name leads to one type: whoever searches for it finds what it is.
+/// A name leads to one type, so that a search for it finds what it is.
 #[test]
 fn types_have_names_of_their_own() {
     let is_type = |word: &str| matches!(word, "struct" | "enum" | "trait" | "type");
@@ -328,11 +328,11 @@ fn types_have_names_of_their_own() {
     assert!(100 * count <= MAX_SHARED_NAMES * all, "{count} of {all} types share their names: {shared:?}");
 }
 
-/// Enums of which one place may rightly want a few variants and refuse all others in one way.
+/// Enums for which some place may handle a few variants and refuse all others in the same way.
 const OPEN_ENUMS: [&str; 1] = ["Value"];
 
-/// An enum of ours is matched by name, so that a new variant asks for its arms. A `_` arm is told textually where every other
-/// arm of the same `match` names a variant of one of our enums.
+/// Our enums are matched by name, so that a new variant requires its arms. A `_` arm is recognised textually if every
+/// other arm of the same `match` names a variant of one of our enums.
 #[test]
 fn our_enums_are_matched_by_name() {
     let mut enums: BTreeSet<String> = sources().iter().flat_map(|(_, text)| enum_names(&code(text))).collect();
@@ -342,11 +342,11 @@ fn our_enums_are_matched_by_name() {
         let lines: Vec<&str> = code.lines().collect();
         for (at, line) in lines.iter().enumerate().filter(|(_, line)| line.trim_start().starts_with("_ => ")) {
             let arms = arms_above(&lines, at);
-            // In `syntax`, `Rule` is the grammar's: pest writes it.
+            // In `syntax`, `Rule` is generated by pest from the grammar.
             let is_grammar = |name: &str| name == "Rule" && path.starts_with("src/syntax/");
             let is_ours = |name: &str| enums.contains(name) && !is_grammar(name);
             let of_ours = |arm: &String| arm.split_once("::").is_some_and(|(name, _)| is_ours(name));
-            // One or two named arms are a question, and not a table.
+            // A match with one or two named arms is a question, not a table.
             let is_table = arms.len() > 2 && arms.iter().all(of_ours);
             assert!(!is_table, "{path}:{}: `{}` stands for variants of {}", at + 1, line.trim(), arms[0]);
         }
@@ -358,7 +358,7 @@ fn enum_names(code: &str) -> Vec<String> {
     code.lines().filter_map(|line| line.trim_start().strip_prefix("pub enum ").map(name)).collect()
 }
 
-/// The patterns of the arms of one `match` above a line.
+/// The patterns of the arms of a `match` above a line.
 fn arms_above(lines: &[&str], at: usize) -> Vec<String> {
     let indent = |line: &str| line.len() - line.trim_start().len();
     let level = indent(lines[at]);
@@ -369,7 +369,7 @@ fn arms_above(lines: &[&str], at: usize) -> Vec<String> {
         .collect()
 }
 
-/// How fast something is, is for `benches/`: a test that looks at the clock fails on a busy machine.
+/// Speed is measured in `benches/`: a test that reads the clock fails on a busy machine.
 #[test]
 fn no_test_looks_at_the_clock() {
     for (path, text) in rust().into_iter().filter(|(path, _)| path.starts_with("tests/") || is_test_file(path)) {
@@ -377,7 +377,7 @@ fn no_test_looks_at_the_clock() {
     }
 }
 
-/// A number of micrometres, nanoseconds or volts says so at the end of its name.
+/// A name for a number of micrometres, nanoseconds or volts ends with the unit.
 #[test]
 fn units_are_the_last_word() {
     let units = [
@@ -395,7 +395,7 @@ fn units_are_the_last_word() {
     }
 }
 
-/// Tracked files, as git lists them; none where there is no git, as in a published crate.
+/// Tracked files, as listed by git; none without git, as in a published crate.
 fn tracked() -> Vec<PathBuf> {
     let listed = Command::new("git").args(["ls-files", "-z"]).current_dir(root()).output();
     let names = listed.map(|output| output.stdout).unwrap_or_default();
@@ -406,10 +406,10 @@ fn tracked() -> Vec<PathBuf> {
         .collect()
 }
 
-/// No path of the machine it was written on, and no address of a mirror.
+/// No path of the developer's machine, and no address of a mirror.
 #[test]
 fn nothing_tells_of_the_machine() {
-    // Put together here, so that this file does not find itself.
+    // Put together at run time, so that this file does not find itself.
     let homes = ["work", "home", "root", "Users"].map(|folder| format!("/{folder}/"));
     let mut seen = 0;
     for path in tracked() {
@@ -431,7 +431,7 @@ fn nothing_tells_of_the_machine() {
     }
 }
 
-/// The faults of `tests/faults/faults.txt`: file, old text and new text of each.
+/// The faults in `tests/faults/faults.txt`: file, old text and new text of each.
 fn faults(text: &str) -> Vec<(String, String, String)> {
     let mut faults: Vec<(String, String, String)> = Vec::new();
     for line in text.lines() {
@@ -451,7 +451,7 @@ fn faults(text: &str) -> Vec<(String, String, String)> {
     faults
 }
 
-/// A fault whose text is gone is put in nowhere: `tests/faults/run.py` would say nothing of what it stands for.
+/// A fault whose text no longer exists cannot be injected, and `tests/faults/run.py` would report nothing about it.
 #[test]
 fn faults_have_a_place() {
     let text = std::fs::read_to_string(root().join("tests/faults/faults.txt")).expect("it is there");
@@ -459,7 +459,7 @@ fn faults_have_a_place() {
     assert!(faults.len() >= 40, "only {} faults", faults.len());
     for (number, (path, old, new)) in (1..).zip(&faults) {
         let source = std::fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"));
-        // A text that stands within a longer word would be replaced there, and not compile.
+        // Replacing a text inside a longer word would not compile.
         let is_within_a_word = |at: usize| {
             let touches = |before: Option<char>, after: Option<char>| {
                 let is_word = |char: Option<char>| char.is_some_and(|char| char.is_alphanumeric() || char == '_');

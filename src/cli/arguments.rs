@@ -251,7 +251,7 @@ pub struct ToleranceArguments {
 }
 
 impl ToleranceArguments {
-    /// Whether anything is granted.
+    /// Whether any tolerance is above zero.
     pub fn is_any(&self) -> bool {
         self.path_tolerance + self.goal_tolerance + self.heading_tolerance > 0.0 || self.time_tolerance > 0
     }
@@ -376,13 +376,13 @@ pub struct DevicesArguments {
     pub swing: f64,
 }
 
-/// A share from 0 to 1.
+/// A ratio from 0 to 1.
 fn share(text: &str) -> Result<f64, String> {
     let share: f64 = text.parse().map_err(|_| "a share is a number from 0 to 1, such as 0.02".to_owned())?;
     if (0.0..=1.0).contains(&share) { Ok(share) } else { Err("a share is from 0 to 1".to_owned()) }
 }
 
-/// A number with a unit of some dimension, in the SI unit; `form` says how it is written.
+/// A number with a unit of a dimension, in the SI unit; `form` is the error that shows how to write it.
 fn quantity(text: &str, dimension: Dimension, form: &str) -> Result<f64, String> {
     let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit());
     let unit = text[digits.len()..].trim();
@@ -393,7 +393,7 @@ fn quantity(text: &str, dimension: Dimension, form: &str) -> Result<f64, String>
     }
 }
 
-/// A time of an hour or less, in nanoseconds.
+/// A time from zero to an hour, in nanoseconds.
 fn time_ns(text: &str) -> Result<u64, String> {
     let time_s = quantity(text, Dimension::TIME, "a time is written as 50ms or 0.5s")?;
     match (0.0..=3600.0).contains(&time_s) {
@@ -402,7 +402,7 @@ fn time_ns(text: &str) -> Result<u64, String> {
     }
 }
 
-/// A time from 0 on, in nanoseconds.
+/// A time of zero or more, in nanoseconds.
 fn instant_ns(text: &str) -> Result<u64, String> {
     let time_s = quantity(text, Dimension::TIME, "a time is written as 50ms or 0.5s")?;
     if time_s >= 0.0 { Ok((time_s * 1e9).round() as u64) } else { Err("a time from 0 s on is needed".to_owned()) }
@@ -414,7 +414,7 @@ fn voltage(text: &str) -> Result<f64, String> {
     if voltage_v > 0.0 { Ok(voltage_v) } else { Err("a voltage above 0 V is needed".to_owned()) }
 }
 
-/// A length of a metre or less, in micrometres.
+/// A length from zero to a metre, in micrometres.
 fn length_um(text: &str) -> Result<f64, String> {
     let length_m = quantity(text, Dimension::LENGTH, "a length is written as 20um or 0.1mm")?;
     if (0.0..=1.0).contains(&length_m) {
@@ -424,7 +424,7 @@ fn length_um(text: &str) -> Result<f64, String> {
     }
 }
 
-/// An angle of half a turn or less, in radians.
+/// An angle from zero to half a turn, in radians.
 fn angle_rad(text: &str) -> Result<f64, String> {
     let angle = quantity(text, Dimension::ANGLE, "an angle is written as 2deg or 0.05rad")?;
     match (0.0..=std::f64::consts::PI).contains(&angle) {
@@ -493,7 +493,7 @@ pub struct ControlArguments {
 }
 
 impl SimulateArguments {
-    /// What goes wrong besides the errors of the device.
+    /// Disturbances in addition to the errors of the device.
     pub fn disturbances(&self) -> Disturbances {
         let SimulateArguments { delay, lost, wrong, stalls, slips, .. } = *self;
         Disturbances { delay_ns: delay, lost, wrong, stalls, slips }

@@ -1,5 +1,5 @@
-//! Plans of saved programs for an editor: each is searched for in a process of its own, which ends as soon as its answer is not wanted any
-//! more, and cannot take the editor's server with it.
+//! Background planning of saved programs for an editor. Each search runs in its own process, which is ended as soon as
+//! its answer is no longer wanted and cannot crash the editor's server.
 
 use crate::lsp::{PLANNED, PlanningResult, ProgramPlanner};
 use lsp_server::{Message, Notification};
@@ -12,13 +12,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// How long a search goes on for an editor, in seconds; `tweeze build` has no such limit.
+/// Time limit of a search for an editor, in seconds; `tweeze build` has no such limit.
 const LIMIT_S: u64 = 60;
 
-/// Period in which a search is looked at.
+/// Interval at which a search is polled.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// Most of an output that is read, in bytes.
+/// Greatest number of bytes of an output that are read.
 const MAX_OUTPUT_BYTES: u64 = 1 << 24;
 
 /// The tickets whose answers are wanted, by program.
@@ -35,16 +35,16 @@ impl Wanted {
     }
 }
 
-/// Plans one program after the other.
+/// Plans one program at a time.
 pub struct BackgroundPlanner {
     wanted: Arc<Wanted>,
-    /// `None` once it ends.
+    /// `None` once the planner is being dropped.
     jobs: Option<Sender<(PathBuf, u64)>>,
     worker: Option<JoinHandle<()>>,
 }
 
 impl BackgroundPlanner {
-    /// A planner that hands over its answers by `answer`.
+    /// A planner that passes its results to `answer`.
     pub fn new(answer: impl Fn(Message) + Send + 'static) -> BackgroundPlanner {
         let wanted = Arc::new(Wanted::default());
         let (jobs, begun) = mpsc::channel();
@@ -58,7 +58,7 @@ impl ProgramPlanner for BackgroundPlanner {
     fn start(&mut self, path: &Path, ticket: u64) {
         self.wanted.all().insert(path.to_owned(), ticket);
         if let Some(jobs) = &self.jobs {
-            // The worker ends with the planner alone.
+            // Cannot fail, because the worker lives as long as the planner.
             let _ = jobs.send((path.to_owned(), ticket));
         }
     }
@@ -84,14 +84,14 @@ fn work(jobs: &Receiver<(PathBuf, u64)>, wanted: &Wanted, answer: &impl Fn(Messa
         if !wanted.is(&path, ticket) {
             continue;
         }
-        // Where no process can be started, an editor shows what the checker finds.
+        // If no process can be started, the editor shows only what the checker finds.
         if let Ok(Some(result)) = planned(&path, ticket, wanted) {
             answer(Message::Notification(Notification::new(PLANNED.to_owned(), result)));
         }
     }
 }
 
-/// What comes of planning a program; `None` if that is not wanted any more.
+/// Plans a program; `None` if the result is no longer wanted.
 fn planned(path: &Path, ticket: u64, wanted: &Wanted) -> io::Result<Option<PlanningResult>> {
     let mut command = Command::new(std::env::current_exe()?);
     command.args(["check", "--plan", "--format", "json", "--"]).arg(path);
@@ -116,19 +116,19 @@ fn planned(path: &Path, ticket: u64, wanted: &Wanted) -> io::Result<Option<Plann
     Ok(Some(PlanningResult { path: path.to_owned(), ticket, report, findings, limit_s }))
 }
 
-/// Ends a search, and waits until it has ended.
+/// Kills a search and waits until it has ended.
 fn end(search: &mut Child) {
     // It may have ended just now.
     let _ = search.kill();
     let _ = search.wait();
 }
 
-/// Reads an output of a process beside the other one, so that neither is full.
+/// Reads an output of a process in a separate thread, so that neither pipe fills up.
 fn reader(output: Option<impl Read + Send + 'static>) -> JoinHandle<String> {
     thread::spawn(move || {
         let mut bytes = Vec::new();
         if let Some(output) = output {
-            // What was read until then is what there is.
+            // After an error, what was read so far is used.
             let _ = output.take(MAX_OUTPUT_BYTES).read_to_end(&mut bytes);
         }
         String::from_utf8_lossy(&bytes).into_owned()

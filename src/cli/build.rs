@@ -18,7 +18,7 @@ use clap::CommandFactory;
 use clap::error::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Builds each program and writes the whole set of its files, or nothing; the exit status is the gravest one.
+/// Builds each program and writes its complete set of files, or nothing; returns the gravest exit status.
 pub fn run(arguments: &BuildArguments) -> Exit {
     if arguments.files.iter().filter(|file| disk::is_standard_input(file)).count() > 1 {
         return misused("build", "standard input holds one program: `-` can be given once");
@@ -32,7 +32,7 @@ pub fn run(arguments: &BuildArguments) -> Exit {
     watch::watch(&arguments.files, arguments.quiet, |needed| build(arguments, needed))
 }
 
-/// Builds each program; the files that they need are added.
+/// Builds each program; adds the files that they need to `needed`.
 fn build(arguments: &BuildArguments, needed: &mut Glances) -> Exit {
     let mut totals = Totals::of(arguments.files.len());
     let one = |file: &PathBuf| match built(file, arguments, needed) {
@@ -54,19 +54,19 @@ fn build(arguments: &BuildArguments, needed: &mut Glances) -> Exit {
     }
 }
 
-/// A program that was built, and its files written.
+/// A program that was built and whose files were written.
 pub struct BuiltProgram {
-    /// Whether the report could be told.
+    /// Exit status of printing the report.
     pub exit: Exit,
     pub schedules: usize,
-    /// Where they stand.
+    /// Paths of the files.
     pub files: Vec<PathBuf>,
 }
 
-/// Builds a program, writes its files, and reports both as it goes on; the files that it needs are added.
+/// Builds a program, writes its files and reports both as it proceeds; adds the files that it needs to `needed`.
 ///
 /// # Errors
-/// The exit status, once the diagnostics were reported, with the page that shows them if pages were asked for.
+/// The exit status, once the diagnostics were reported, with the page that shows them if pages were requested.
 pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> Result<BuiltProgram, FailedBuild> {
     signals::catch();
     let format = arguments.report.format;
@@ -115,7 +115,7 @@ pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> R
     Err(FailedBuild { exit, page })
 }
 
-/// Wrong usage that the command line's own grammar does not know.
+/// Wrong usage that clap cannot detect.
 pub fn misused(name: &str, what: &str) -> Exit {
     let mut command = Invocation::command();
     let own = command.find_subcommand_mut(name).map(std::mem::take).unwrap_or(command);
@@ -124,7 +124,7 @@ pub fn misused(name: &str, what: &str) -> Exit {
     Exit::Usage
 }
 
-/// The user's files of a program; the standard library comes with the compiler, and settings are no files.
+/// The user's files of a program; the standard library comes with the compiler, and settings are not files.
 pub fn provenance(sources: &Sources, options: &Options) -> Provenance {
     let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
     let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
@@ -187,8 +187,8 @@ fn write(
     Ok(BuiltProgram { exit, schedules: compiled.schedules.len(), files })
 }
 
-/// Verifies the log of a schedule from its bytes, as `tweeze verify` would: whatever is written can be read. The schedule read back replaces
-/// the one written, so that only one is in memory at a time.
+/// Verifies the log of a schedule from its bytes, as `tweeze verify` would, so that whatever is written can be read.
+/// The schedule read back replaces the one written, so that only one is in memory at a time.
 fn read_back(verified: Verified, set: &[OutputFile], report: ReportFormat) -> Result<Verified, Exit> {
     let Some(file) = set.iter().find(|file| file.name.ends_with(".mcap")) else { return Ok(verified) };
     drop(verified);

@@ -13,7 +13,7 @@ use crate::verify::Verified;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Checks each file separately; the exit status is the gravest one.
+/// Checks each file separately; returns the gravest exit status.
 pub fn run(arguments: &CheckArguments) -> Exit {
     if !arguments.watch {
         return check(arguments, &mut Glances::default());
@@ -24,7 +24,7 @@ pub fn run(arguments: &CheckArguments) -> Exit {
     watch::watch(&arguments.files, arguments.quiet, |needed| check(arguments, needed))
 }
 
-/// Checks each program; the files that they need are added.
+/// Checks each program; adds the files that they need to `needed`.
 fn check(arguments: &CheckArguments, needed: &mut Glances) -> Exit {
     let mut exit = Exit::Done;
     let mut reports: Vec<(Sources, Sink)> = Vec::new();
@@ -49,16 +49,17 @@ fn check(arguments: &CheckArguments, needed: &mut Glances) -> Exit {
 
 /// A program without errors.
 struct CheckedProgram {
-    /// Its name in messages.
+    /// Name in messages.
     shown: String,
     tally: DeclarationTally,
-    /// If they were asked for.
+    /// `None` unless requested.
     schedules: Option<Vec<Verified>>,
-    /// Whether the lines of its plans could be told.
+    /// Exit status of printing the lines of its plans.
     exit: Exit,
 }
 
-/// A program without errors, or the exit status after one; the files that it needs are added.
+/// Checks one program; the error is the exit status after its diagnostics were reported. Adds the files that it needs
+/// to `needed`.
 fn one(
     file: &Path,
     needed: &mut Glances,
@@ -84,7 +85,7 @@ fn one(
     checked
 }
 
-/// As `one`, with a verified plan for each of its schedules; reports on both as it goes on.
+/// As `one`, with a verified plan for each schedule; reports both as planning proceeds.
 fn planned(
     loaded: &Loaded,
     program: &ProgramSource,
@@ -122,7 +123,7 @@ fn success(checked: &CheckedProgram, arguments: &CheckArguments) -> Exit {
         (Some(ReportFormat::Json), _) => {
             terminal::answer(&format!("{}\n", report::json::checked(shown, *tally, schedules.as_deref())))
         }
-        // The lines have been written.
+        // The lines have been printed already.
         (Some(ReportFormat::Human | ReportFormat::Short | ReportFormat::Github), Some(_)) => *exit,
         (Some(ReportFormat::Human | ReportFormat::Short | ReportFormat::Github), None) => {
             terminal::answer(&terminal::line("Checked", shown, 0, &report::tally(*tally)))

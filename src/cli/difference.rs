@@ -2,25 +2,25 @@
 
 use serde_json::Value;
 
-/// Most characters of a value, and of a place, that a message shows.
+/// Greatest number of characters of a value and of a place that a message shows.
 const SHOWN_CHARACTERS: usize = 60;
 const PLACE_CHARACTERS: usize = 120;
 
-/// The first place at which two claims differ, with what stands there.
+/// The first place at which two claims differ, with the values there.
 pub struct Difference {
-    /// As `jobs[0].order.microrobots.facts.clearance_um`.
+    /// Path such as `jobs[0].order.microrobots.facts.clearance_um`.
     pub place: String,
     pub of_log: String,
     pub of_program: String,
 }
 
-/// The first difference of two claims, each written as JSON; `None` if one is none, or if they have the same values.
+/// The first difference of two claims, each serialised as JSON; `None` if one is not JSON or they have the same values.
 pub fn first(of_log: &[u8], of_program: &[u8]) -> Option<Difference> {
     let [of_log, of_program] = [of_log, of_program].map(|bytes| serde_json::from_slice::<Value>(bytes).ok());
     within(String::new(), Some(&of_log?), Some(&of_program?))
 }
 
-/// The first difference of what stands at one place.
+/// The first difference within the values at one place.
 fn within(place: String, of_log: Option<&Value>, of_program: Option<&Value>) -> Option<Difference> {
     match (of_log, of_program) {
         (Some(Value::Object(one)), Some(Value::Object(other))) => {
@@ -34,7 +34,7 @@ fn within(place: String, of_log: Option<&Value>, of_program: Option<&Value>) -> 
             .find_map(|index| within(format!("{place}[{index}]"), one.get(index), other.get(index))),
         (one, other) if one == other => None,
         (one, other) => {
-            // The keys of a log may be anything.
+            // The keys in a log may be arbitrary text.
             let place = place.chars().filter(|c| !c.is_control()).take(PLACE_CHARACTERS).collect();
             Some(Difference { place, of_log: shown(one), of_program: shown(other) })
         }

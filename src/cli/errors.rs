@@ -69,7 +69,7 @@ pub fn not_recorded(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::new(Code::E0804, format!("cannot record in `{}`: {}", path.display(), reason(error))).help(help)
 }
 
-/// A recording that had begun.
+/// A recording that cannot be continued.
 pub fn not_recorded_on(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::new(Code::E0804, format!("cannot go on recording in `{}`: {}", path.display(), reason(error)))
         .help("the run was stopped; the file ends in the middle: `mcap recover` saves what it has")
@@ -121,7 +121,7 @@ pub fn unverifiable(file: &str) -> Diagnostic {
         .help("nothing was written; this is a fault of tweeze and not of the program: report it as a bug with the program")
 }
 
-/// The system's reason without its number.
+/// The system's error message without its number.
 fn reason(error: &io::Error) -> String {
     let text = error.to_string();
     let text = text.split(" (os error").next().unwrap_or(&text);
@@ -140,12 +140,12 @@ pub fn recording_differs(path: &Path) -> Diagnostic {
     Diagnostic::new(Code::E0847, title).help("the recording was changed after it was written")
 }
 
-/// What a log comes from.
+/// Origin of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogOrigin {
     /// `tweeze build`.
     Build,
-    /// `tweeze control --record`: it cannot be made again.
+    /// `tweeze control --record`: it cannot be repeated.
     Run,
 }
 
@@ -166,7 +166,7 @@ pub fn other_program(log: &Path, program: &Path, first: Option<Difference>, orig
     Diagnostic::new(Code::E0742, title).help(format!("{first}{help}"))
 }
 
-/// A log with another plan than the one that its program gets.
+/// A log whose plan differs from the one that its program gets.
 pub fn plans_another(log: &Path, first: Option<Difference>) -> Diagnostic {
     let title = format!("`{}` has another plan than its program gets", log.display());
     let first = first.map_or(String::new(), |Difference { place, of_log, of_program }| {
@@ -186,14 +186,15 @@ pub fn plans_nothing(log: &Path) -> Diagnostic {
     )
 }
 
-/// A recording that is to be planned again.
+/// A recording for which `--replan` was given.
 pub fn no_plan_in(recording: &Path) -> Diagnostic {
     let title =
         format!("`{}` is the recording of a controlled run, which has no plan to find again", recording.display());
     Diagnostic::new(Code::E0779, title).help("omit `--replan`")
 }
 
-/// The first finding of each rule that the schedule of one program breaks under another one, with the number of the others.
+/// The first finding for each rule that a log's schedule breaks under another program, with the number of further
+/// findings.
 pub fn first_of_each_rule(broken: &Sink) -> Vec<Diagnostic> {
     let mut firsts: Vec<(Diagnostic, usize)> = Vec::new();
     for diagnostic in broken.sorted() {
@@ -210,7 +211,7 @@ pub fn first_of_each_rule(broken: &Sink) -> Vec<Diagnostic> {
     firsts.into_iter().map(counted).collect()
 }
 
-/// A file that `tweeze verify` was given and that is no log.
+/// A file given to `tweeze verify` that is not a log.
 pub fn not_a_log(path: &Path) -> Diagnostic {
     let shown = path.display();
     let is_program = path.extension().is_some_and(|extension| extension == "twz");
@@ -221,7 +222,7 @@ pub fn not_a_log(path: &Path) -> Diagnostic {
     Diagnostic { title, ..LogError::NotALog.diagnostic() }.help_if(checked)
 }
 
-/// Note that a log was built with other settings than the trusted program; `None` if they are the same.
+/// Warning that a log was built with other settings than the trusted program; `None` if they are the same.
 pub fn other_settings(log: &Path, program: &Path, of_log: &[String], given: &[String]) -> Option<Diagnostic> {
     let lacking = |of: &[String], list: &[String]| -> Vec<String> {
         of.iter()
@@ -254,7 +255,7 @@ pub fn other_settings(log: &Path, program: &Path, of_log: &[String], given: &[St
     Some(Diagnostic::new(Code::E0772, title).help(help))
 }
 
-/// A word quoted for a shell: a log may have any setting, a path any name, and its text is offered for copying.
+/// A word quoted for a shell. A log may have any setting and a path any name, and the text is offered for copying.
 pub fn quoted(word: &str) -> String {
     let is_safe = |c: char| c.is_ascii_alphanumeric() || "=._+-/".contains(c);
     if word.chars().all(is_safe) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }

@@ -5,7 +5,7 @@ use super::{Exit, terminal};
 use crate::check::scope::nearest;
 use crate::diagnostic::Code;
 
-/// Shows the page of a code, the pages of all, or the list of all.
+/// Prints the page of a code, the pages of all codes, or the list of all codes.
 pub fn run(arguments: &ExplainArguments) -> Exit {
     if arguments.all {
         return terminal::answer(&pages());

@@ -1,4 +1,4 @@
-//! The page of a program that could not be built.
+//! Page of a program that could not be built.
 
 use super::arguments::{BuildArguments, ReportFormat};
 use super::disk::{self, Destination};
@@ -13,10 +13,10 @@ use crate::emit::{self, FAILED_ENDING, FailedProgram, Format, OutputFile, Proven
 use crate::source::Sources;
 use std::path::{Path, PathBuf};
 
-/// How a build failed.
+/// Result of a failed build.
 pub struct FailedBuild {
     pub exit: Exit,
-    /// The page that shows why.
+    /// Path of the page that shows why.
     pub page: Option<PathBuf>,
 }
 
@@ -26,7 +26,7 @@ impl From<Exit> for FailedBuild {
     }
 }
 
-/// Writes the page of a program whose errors were reported; where it stands.
+/// Writes the page of a program whose errors were reported; returns its path.
 pub fn write(
     loaded: &Loaded,
     arguments: &BuildArguments,
@@ -45,7 +45,7 @@ pub fn write(
     put_page(loaded.path(), &failed, arguments, provenance, inputs)
 }
 
-/// Reports that a program cannot be read. Where pages follow it they show that.
+/// Reports that a program cannot be read. If open pages follow the program, writes a page that shows the error.
 pub fn unread(program: &Path, why: Diagnostic, arguments: &BuildArguments, inputs: &Glances) -> FailedBuild {
     let (mut errors, sources) = (Sink::default(), Sources::default());
     errors.push(why);
@@ -81,10 +81,10 @@ fn put_page(
     put(&files, &destination(program, arguments, inputs), report_format).map(|mut names| names.swap_remove(0))
 }
 
-/// Writes files; where each of them stands.
+/// Writes files; returns the path of each.
 ///
 /// # Errors
-/// The exit status, once it was reported that they cannot be written.
+/// The exit status, once the failure was reported.
 pub fn put(files: &[OutputFile], to: &Destination, report_format: ReportFormat) -> Result<Vec<PathBuf>, Exit> {
     disk::write_all(to, files).map_err(|diagnostic| {
         terminal::report_one(*diagnostic, report_format);
@@ -93,7 +93,7 @@ pub fn put(files: &[OutputFile], to: &Destination, report_format: ReportFormat) 
     Ok(files.iter().map(|file| disk::shown(to.folder, &file.name)).collect())
 }
 
-/// Says where the page stands.
+/// Reports the path of the page.
 pub fn tell(program: &Path, page: Option<&Path>, arguments: &BuildArguments) {
     let Some(page) = page else { return };
     let page = page.to_string_lossy();
@@ -107,7 +107,7 @@ pub fn tell(program: &Path, page: Option<&Path>, arguments: &BuildArguments) {
     let _ = terminal::success(&text, arguments.quiet);
 }
 
-/// Removes the page of an earlier, failed build of a program, now that it is built.
+/// Removes the page of an earlier failed build, because the program has now been built.
 ///
 /// # Errors
 /// The exit status, once it was reported that the page cannot be removed.
@@ -123,12 +123,12 @@ fn destination<'a>(program: &'a Path, arguments: &'a BuildArguments, inputs: &'a
     Destination { folder: &arguments.output, program, logged: None, force: arguments.force, inputs }
 }
 
-/// The name of the script by which pages follow a program.
+/// Name of the script through which open pages follow a program.
 pub fn follower(program: &Path) -> String {
     format!("{}.latest.js", stem(program))
 }
 
-/// The name of a program's file without its ending; that of standard input is `stdin`.
+/// Name of a program's file without its extension; `stdin` for standard input.
 pub fn stem(program: &Path) -> String {
     let stem = program.file_stem().unwrap_or_default().to_string_lossy();
     stem.trim_matches(['<', '>']).to_owned()

@@ -9,7 +9,7 @@ use serde_json::json;
 use similar::TextDiff;
 use std::path::{Path, PathBuf};
 
-/// Formats each program; the exit status is the gravest one.
+/// Formats each program; returns the gravest exit status.
 pub fn run(arguments: &FmtArguments) -> Exit {
     let mut exit = Exit::Done;
     for argument in &arguments.files {
@@ -73,7 +73,7 @@ fn one(file: &Path, arguments: &FmtArguments) -> Exit {
     exit.max(answered).max(status)
 }
 
-/// What formatting changes, as a unified diff.
+/// Unified diff of the changes.
 fn difference(name: &str, before: &str, after: &str) -> String {
     let name = terminal::name(name);
     TextDiff::from_lines(before, after).unified_diff().header(&name, &format!("{name} (canonical)")).to_string()

@@ -1,4 +1,4 @@
-//! The values of `--emit`.
+//! Values of `--emit`.
 
 use crate::check::scope::nearest;
 use crate::emit::Format;
@@ -12,18 +12,18 @@ use std::ffi::OsStr;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EmitChoice {
     One(Format),
-    /// Each format that the schedule has a form in.
+    /// Every format that can represent the schedule.
     All,
 }
 
 /// The word for [`EmitChoice::All`].
 const ALL: &str = "all";
 
-/// Formats to be written.
+/// The formats to write.
 #[derive(Debug)]
 pub struct ChosenFormats {
     pub formats: BTreeSet<Format>,
-    /// Formats that were not named are left out where the schedule has no form in them.
+    /// Formats named explicitly; any other is skipped if it cannot represent the schedule.
     named: BTreeSet<Format>,
 }
 
@@ -43,13 +43,13 @@ impl ChosenFormats {
         ChosenFormats { formats, named }
     }
 
-    /// Whether a format is named, and not only one of all.
+    /// Whether a format was named explicitly, and not only included in `all`.
     pub fn is_named(&self, format: Format) -> bool {
         self.named.contains(&format)
     }
 }
 
-/// Reads a name of a format; for a near miss the error says what was meant.
+/// Parser of format names; for a near miss the error suggests a name.
 pub fn parser() -> impl TypedValueParser<Value = EmitChoice> {
     FormatParser(PossibleValuesParser::new(names()))
 }
@@ -72,7 +72,7 @@ impl TypedValueParser for FormatParser {
             }
             error
         })?;
-        // The names that were let through are those of the formats, and the word for all.
+        // The accepted names are those of the formats, and `all`.
         Ok(Format::find(&name).map_or(EmitChoice::All, EmitChoice::One))
     }
 

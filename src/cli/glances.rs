@@ -1,36 +1,37 @@
-//! What there is to see of files without reading them, to know of their changes.
+//! File snapshots: modification time and length, for detecting changes without reading the files.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// The time and the length of a file; `None` where there is none.
+/// Modification time and length of a file; `None` if there is no file.
 type Glance = Option<(Option<SystemTime>, u64)>;
 
-/// Files, each as it was when it was first looked at: whoever looks at a file before reading it misses no change.
+/// Snapshots of files, each taken when the file was first looked at. A caller that takes the snapshot before it reads
+/// the file misses no change.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Glances(BTreeMap<PathBuf, Glance>);
 
 impl Glances {
-    /// Files as they are now.
+    /// Takes snapshots of files now.
     pub fn of<'f>(files: impl IntoIterator<Item = &'f PathBuf>) -> Glances {
         Glances(files.into_iter().map(|file| (file.clone(), glance(file))).collect())
     }
 
-    /// Looks at a file that was not looked at before.
+    /// Takes a snapshot of a file, unless there is one already.
     pub fn look_at(&mut self, file: &Path) {
         self.0.entry(file.to_owned()).or_insert_with(|| glance(file));
     }
 
-    /// Adds what was seen of other files; of a file in both, what was seen here.
+    /// Adds the snapshots of other files; for a file in both, the snapshot here stays.
     pub fn add(&mut self, others: Glances) {
         others.0.into_iter().for_each(|(file, seen)| {
             self.0.entry(file).or_insert(seen);
         });
     }
 
-    /// The same files as they are now.
+    /// New snapshots of the same files.
     #[must_use]
     pub fn again(&self) -> Glances {
         Glances::of(self.0.keys())

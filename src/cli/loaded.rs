@@ -1,4 +1,4 @@
-//! A program's file with the settings of the command line, ready for the compiler.
+//! A program's text with the settings of the command line, ready for the compiler.
 
 use super::arguments::ReportArguments;
 use super::disk;
@@ -9,17 +9,17 @@ use crate::compile::ProgramSource;
 use crate::diagnostic::Diagnosed;
 use std::path::{Path, PathBuf};
 
-/// A program as a command was given it.
+/// A program as given to a command.
 pub struct Loaded {
     path: PathBuf,
-    /// Its name in outputs.
+    /// Name in outputs.
     name: String,
     text: String,
     pub options: Options,
 }
 
 impl Loaded {
-    /// Reads a file; failures are reported.
+    /// Reads a file; reports failures.
     ///
     /// # Errors
     /// The exit status if it cannot be read.
@@ -39,22 +39,22 @@ impl Loaded {
         Ok(Loaded { name: Disk::round(&path).program_name(), path, text, options })
     }
 
-    /// Its path, or the name of standard input.
+    /// Path, or the name of standard input.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The name that messages show: the path as it was typed.
+    /// Name in messages: the path as it was typed.
     pub fn shown(&self) -> String {
         self.path.to_string_lossy().into_owned()
     }
 
-    /// The files round it.
+    /// Library of the files around it.
     pub fn disk(&self) -> Disk<'_> {
         Disk::round(&self.path)
     }
 
-    /// Input of the compiler.
+    /// Input for the compiler.
     pub fn program<'a>(&'a self, disk: &'a Disk<'a>) -> ProgramSource<'a> {
         ProgramSource { name: &self.name, text: &self.text, library: disk, options: &self.options }
     }

@@ -15,7 +15,7 @@ const MAX_MESSAGE_BYTES: u64 = 1 << 28;
 /// Longest line of a message's header, in bytes.
 const MAX_HEADER_LINE_BYTES: u64 = 1 << 12;
 
-/// Serves an editor on standard input and output until it ends.
+/// Serves an editor on standard input and output until it ends the session.
 pub fn run() -> Exit {
     if std::io::stdin().is_terminal() {
         terminal::to_stderr(
@@ -23,10 +23,11 @@ pub fn run() -> Exit {
         );
     }
     let (connection, Connection { sender, receiver }) = Connection::memory();
-    // Known before the session learns that nothing more comes.
+    // Set before the channel closes, so that it is known when the session sees the end of the input.
     let unreadable = Arc::new(OnceLock::new());
     let found = Arc::clone(&unreadable);
-    // What the planner finds comes in by the same way as what the client says. It must not keep that way open once the client is gone.
+    // The planner sends its results over the same channel as the client's messages. The planner must not keep the
+    // channel open once the client is gone.
     let client = Arc::new(sender);
     let session = Arc::downgrade(&client);
     let mut planner = BackgroundPlanner::new(move |message| {
@@ -57,12 +58,12 @@ pub fn run() -> Exit {
         }
     });
     let writer = thread::spawn(move || {
-        // Locked for each message: what is refused is answered in between.
+        // Locked for each message only, because the reader answers refused messages in between.
         receiver.into_iter().try_for_each(|message| message.write(&mut io::stdout().lock()))
     });
     let ended = lsp::serve(&connection, &|path, with| with(&Disk::round(path)), &mut planner);
     drop(planner);
-    // The writer ends when nobody can send any more. The reader may wait for a client that says nothing.
+    // The writer ends when no sender is left. The reader is not joined, because it may wait for a silent client.
     drop(connection);
     let is_written = matches!(writer.join(), Ok(Ok(())));
     if ended == Ok(SessionEnd::Agreed) && is_written {
@@ -71,19 +72,19 @@ pub fn run() -> Exit {
     if let Some(why) = unreadable.get().or(ended.as_ref().err()) {
         terminal::to_stderr(&format!("tweeze lsp: {why}\n"));
     }
-    // The protocol asks for 1 where the client did not ask for the end.
+    // The protocol requires status 1 if the client did not ask for the shutdown.
     Exit::Errors
 }
 
-/// A message of the right length that says nothing: the next one can be read all the same.
+/// A message of the stated length that is not valid; the next message can still be read.
 struct RefusedMessage {
-    /// Of JSON-RPC: -32700 for what is no JSON, -32600 for what is no message.
+    /// JSON-RPC error code: -32700 for invalid JSON, -32600 for JSON that is not a message.
     code: i32,
     why: String,
 }
 
 impl RefusedMessage {
-    /// Answers it. Which request it was is not known.
+    /// Sends the error response; the id of the request is unknown.
     fn write(&self) -> io::Result<()> {
         let error = serde_json::json!({"code": self.code, "message": self.why});
         let text = serde_json::json!({"jsonrpc": "2.0", "id": null, "error": error}).to_string();
@@ -93,7 +94,8 @@ impl RefusedMessage {
     }
 }
 
-/// The next message; `None` at the end. The length that its header gives is judged before there is room made for it.
+/// Reads the next message; `None` at the end of the input. The length in the header is checked before memory is
+/// allocated.
 fn next(input: &mut impl BufRead) -> io::Result<Option<Result<Message, RefusedMessage>>> {
     let mut length = None;
     loop {

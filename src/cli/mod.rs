@@ -1,4 +1,4 @@
-//! The command line: the only place that touches files, clock and terminal.
+//! Command line: the only module that touches files, the clock and the terminal.
 
 mod arguments;
 mod background;
@@ -32,7 +32,7 @@ use microrobots::{Address, judge_recording, run_control, run_simulate};
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// How a command ended.
+/// Exit status of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Exit {
     Done = 0,
@@ -46,19 +46,19 @@ pub enum Exit {
     Files = 4,
     /// Tweeze itself failed.
     Fault = 5,
-    /// A task was given up while it was controlled.
+    /// A controlled task was given up.
     Stopped = 6,
 }
 
-/// Stack of the working thread, in bytes: several times the need of the deepest nesting that is accepted.
+/// Stack of the working thread, in bytes: several times what the deepest accepted nesting needs.
 const STACK_BYTES: usize = 64 * 1024 * 1024;
 
-/// Runs a command line and answers with its exit status.
+/// Runs a command line and returns its exit status.
 pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let invocation = match Invocation::try_parse_from(arguments) {
         Ok(invocation) => invocation,
         Err(error) => {
-            // Help and version are answers, everything else is wrong usage; a closed pipe is ignored.
+            // Help and version are answers; everything else is wrong usage. A closed pipe is ignored.
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { Exit::Usage as u8 } else { Exit::Done as u8 });
         }

@@ -6,10 +6,10 @@ use crate::device::Kind;
 use clap::ValueEnum;
 use std::path::Path;
 
-/// Where the name of the project stands in a template.
+/// Placeholder for the project's name in a template.
 const PROJECT: &str = "PROJECT";
 
-/// What a version-control system is to leave alone: the folder that the first build writes to.
+/// Content of the ignore file: the folder that the first build writes to.
 const IGNORED: &str = "out/\n";
 
 impl Template {
@@ -31,12 +31,12 @@ impl Template {
     }
 }
 
-/// Makes a folder with a program in it.
+/// Creates a folder with a program in it.
 pub fn run(arguments: &NewArguments) -> Exit {
     let template = arguments.template.or(arguments.kind.and_then(Template::of)).unwrap_or(Template::PickAndPlace);
     let folder = &arguments.path;
     let named = folder.file_name().map(|name| name.to_string_lossy().into_owned());
-    // The name comes into a comment of the program.
+    // The name is inserted into a comment of the program.
     let Some(name) = named.filter(|name| !name.contains(char::is_control)) else {
         terminal::report_one(errors::no_name_for_a_project(folder), arguments.report.format);
         return Exit::Files;
@@ -55,10 +55,10 @@ pub fn run(arguments: &NewArguments) -> Exit {
     terminal::answer(&report(&path, folder))
 }
 
-/// What was made, and what to do with it.
+/// Reports what was created, and the commands to run next.
 fn report(program: &Path, folder: &Path) -> String {
     let made = terminal::line("Created", &terminal::name(&program.to_string_lossy()), 0, "");
-    // As a shell takes them; a name that begins with `-` is no option.
+    // Quoted for a shell; a name that begins with `-` must not be read as an option.
     let [program, out] = [program, &folder.join("out")].map(|path| {
         let path = terminal::name(&path.to_string_lossy());
         let path = if path.starts_with('-') { format!("./{path}") } else { path };

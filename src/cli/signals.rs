@@ -1,5 +1,5 @@
-//! Signals that end the process: Ctrl-C, a closed terminal, a request to terminate. Of a build, staged files are removed, or a commit
-//! that has begun is finished; then the process dies of the signal. A controlled run stops its robots first.
+//! Signals that end the process: Ctrl-C, a closed terminal, a request to terminate. A build removes its staged files,
+//! or finishes a commit that has begun; then the process dies of the signal. A controlled run stops its robots first.
 
 use super::terminal;
 use crate::plan::watch::SearchWatch;
@@ -11,31 +11,32 @@ use std::time::Duration;
 /// Whether the process has been asked to end.
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// Whether the build's files are in place. Held while a folder is changed: who ends the process waits for it.
+/// Whether the build's files are in place. Locked while a folder is changed; the code that ends the process waits for
+/// the lock.
 static FILES_IN_PLACE: Mutex<bool> = Mutex::new(false);
 
-/// Milliseconds in which the handler of a signal sets its flag.
+/// Longest wait for a signal handler to set its flag, in milliseconds.
 const FLAG_LOOKS: usize = 1000;
 
-/// What the first signal ends in place of the process.
+/// Work that the first signal ends instead of the process.
 enum Spared {
-    /// Ctrl-C alone ends the search.
+    /// A search; only Ctrl-C ends it.
     Search(Arc<SearchWatch>),
-    /// Any signal ends the run.
+    /// A controlled run; any signal ends it.
     Run(Arc<AtomicBool>),
 }
 
 static SPARED: Mutex<Option<Spared>> = Mutex::new(None);
 
 fn spared() -> MutexGuard<'static, Option<Spared>> {
-    // A thread that panicked has left one of them, or none.
+    // A thread that panicked has left a complete value.
     SPARED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// While this lives, the first Ctrl-C ends a search with what it has found.
+/// Guard: while it lives, the first Ctrl-C ends a search with the best plan found.
 pub struct BestKept(());
 
-/// The first Ctrl-C from here on is for the searches that are watched.
+/// Directs the next Ctrl-C to the watched searches.
 pub fn keep_best(search: &Arc<SearchWatch>) -> BestKept {
     *spared() = Some(Spared::Search(Arc::clone(search)));
     BestKept(())
@@ -47,10 +48,10 @@ impl Drop for BestKept {
     }
 }
 
-/// While this lives, the first signal does not end the process: whoever holds it stops what is running, and then ends.
+/// Guard: while it lives, the first signal does not end the process; the owner stops the run and then ends.
 pub struct RunStop(Arc<AtomicBool>);
 
-/// The first signal from here on is for the run that asks [`RunStop::is_asked`].
+/// Directs the next signal to the run, which polls [`RunStop::is_asked`].
 pub fn stop_run_first() -> RunStop {
     let stop = Arc::<AtomicBool>::default();
     *spared() = Some(Spared::Run(Arc::clone(&stop)));
@@ -70,9 +71,10 @@ impl Drop for RunStop {
     }
 }
 
-/// Whether a signal is for what is spared: a search then takes the best plan it has, or the first one that it finds; a run stops.
+/// Handles a signal for work that is spared, and returns whether there is such work: a search then takes the best plan
+/// found, or the first one that it finds; a run stops.
 fn spares_the_process(is_ctrl_c: bool) -> bool {
-    // Held until the end: who drops `BestKept` or `RunStop` waits for it.
+    // Locked until the end, so that dropping `BestKept` or `RunStop` waits for it.
     let mut spared = spared();
     let taken = spared.take_if(|one| match one {
         Spared::Search(_) => is_ctrl_c,
@@ -82,7 +84,8 @@ fn spares_the_process(is_ctrl_c: bool) -> bool {
     if let Spared::Search(search) = &taken {
         search.take_what_is_held();
     }
-    // Before whoever drops `BestKept` can go on to write, or the run can end. The handler that sets it may not have come to that yet.
+    // Clear the flag before the owner of `BestKept` can go on to write, or the run can end. The handler that sets the
+    // flag may not have run yet.
     for _ in 0..FLAG_LOOKS {
         if ASKED.swap(false, Ordering::SeqCst) {
             break;
@@ -99,25 +102,26 @@ fn spares_the_process(is_ctrl_c: bool) -> bool {
     true
 }
 
-/// Whether the process has been asked to end. True at the latest when the handler of the signal returns.
+/// Whether the process has been asked to end; true no later than the return of the signal handler.
 pub fn is_asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
-/// Keeps the process alive until dropped; to be set to true once the files are in place.
+/// Keeps the process alive until dropped; the caller sets it to true once the files are in place.
 pub fn changing_files() -> MutexGuard<'static, bool> {
-    // A thread that panicked has left a folder as a kill would have left it.
+    // A thread that panicked has left the folder as a kill would have.
     FILES_IN_PLACE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Waits for the end, after [`is_asked`].
+/// Waits for the process to end, after [`is_asked`] has become true.
 pub fn wait_for_end() -> ! {
     loop {
         std::thread::park();
     }
 }
 
-/// Reports the files written, once no folder is being changed. The guard is held until the process ends, so that nothing more is begun.
+/// Reports whether files were written, once no folder is being changed. The caller holds the guard until the process
+/// ends, so that no other change begins.
 fn say_goodbye() -> MutexGuard<'static, bool> {
     let in_place = changing_files();
     let line = if io::stderr().is_terminal() { "\n" } else { "" };
@@ -126,19 +130,20 @@ fn say_goodbye() -> MutexGuard<'static, bool> {
     in_place
 }
 
-/// A file beyond the limit of the process is from here on an error of the write, and not the end of the process.
+/// Makes a write beyond the file size limit fail instead of ending the process.
 pub fn outlive_limits() {
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::<AtomicBool>::default());
 }
 
-/// From here on, signals that ask the process to end wait for [`changing_files`]; asked again, nothing changes.
+/// Makes signals that end the process wait for [`changing_files`] from now on; further calls have no effect.
 pub fn catch() {
     static CAUGHT: Once = Once::new();
     CAUGHT.call_once(install);
 }
 
-/// Where signals cannot be caught, they end the process at once, and the next build into the folder clears up.
+/// Installs the handlers. If signals cannot be caught, they end the process at once and the next build into the folder
+/// cleans up.
 #[cfg(unix)]
 fn install() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -153,21 +158,21 @@ fn install() {
                 continue;
             }
             let _alive = say_goodbye();
-            // Whoever waits for this process learns that a signal ended it: a shell shows 128 and the signal's number.
+            // The parent process learns that a signal ended this one: a shell shows 128 plus the signal's number.
             let _ = low_level::emulate_default_handler(signal);
             std::process::exit(128 + signal);
         }
     };
     if std::thread::Builder::new().spawn(watch).is_ok() {
         for signal in wanted {
-            // Without it, a set is finished that could have been given up.
+            // If this fails, a set of files is finished that could have been abandoned.
             let _ = flag::register(signal, &ASKED);
         }
     }
 }
 
-/// The signals that the parent process set to be ignored, as bits: `nohup` and shells do so for processes that are to outlive them. Empty
-/// where the system does not report them.
+/// The signals that the parent process set to be ignored, as bits: `nohup` and shells do so for processes that should
+/// outlive them. Empty on systems that do not report them.
 #[cfg(unix)]
 fn ignored_signals() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -175,10 +180,10 @@ fn ignored_signals() -> u64 {
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
 }
 
-/// Ctrl-C and a closed window.
+/// Installs the handler for Ctrl-C and a closed window.
 #[cfg(windows)]
 fn install() {
-    // Where they cannot be caught, they end the process at once, and the next build into the folder clears up.
+    // If this fails, they end the process at once and the next build into the folder cleans up.
     let _ = ctrlc::set_handler(|| {
         ASKED.store(true, Ordering::SeqCst);
         if spares_the_process(true) {
@@ -189,6 +194,6 @@ fn install() {
     });
 }
 
-/// Other systems end the process at once.
+/// Does nothing: on other systems signals end the process at once.
 #[cfg(not(any(unix, windows)))]
 fn install() {}

@@ -9,22 +9,22 @@ use crate::source::Sources;
 use std::io::{self, IsTerminal, Write};
 use std::sync::OnceLock;
 
-/// The columns of a report that goes to no terminal.
+/// Width of a report that does not go to a terminal.
 const PIPE_WIDTH: usize = 100;
 
-/// A report is not squeezed into fewer columns than these.
+/// Least width of a report.
 const LEAST_WIDTH: usize = 40;
 
-/// The choice of the command line, once it is read.
+/// The choice made on the command line, once it is parsed.
 static COLOUR: OnceLock<ColourChoice> = OnceLock::new();
 
-/// Sets when colours are used; before, they are by the terminal.
+/// Sets when colours are used; until then they depend on the terminal.
 pub fn choose_colour(choice: ColourChoice) {
-    // The command line is read once.
+    // Set only once, because the command line is parsed once.
     let _ = COLOUR.set(choice);
 }
 
-/// Whether a stream is shown with colours.
+/// Whether a stream gets colours.
 fn is_coloured(stream: &impl IsTerminal) -> bool {
     let is_wanted = || std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && !is_dumb();
     match COLOUR.get().copied().unwrap_or(ColourChoice::Auto) {
@@ -88,13 +88,13 @@ pub fn to_stderr(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// Says that Tweeze itself failed.
+/// Reports that Tweeze itself failed.
 pub fn fault(what: &str) -> Exit {
     to_stderr(&format!("tweeze: {what}; the program is not to blame, so report it as a bug with the program\n"));
     Exit::Fault
 }
 
-/// Writes an answer to standard output; a reader that has gone away, as `head` does, is no error.
+/// Writes an answer to standard output; a reader that has gone away, such as `head`, is not an error.
 pub fn answer(text: &str) -> Exit {
     match io::stdout().lock().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
         Ok(()) => Exit::Done,
@@ -106,7 +106,7 @@ pub fn answer(text: &str) -> Exit {
     }
 }
 
-/// Writes a report of success to standard output, unless errors and warnings alone are wanted.
+/// Writes a report of success to standard output, unless only errors and warnings are wanted.
 pub fn success(text: &str, quiet: QuietArgument) -> Exit {
     if quiet.is_quiet { Exit::Done } else { answer(text) }
 }
@@ -114,12 +114,12 @@ pub fn success(text: &str, quiet: QuietArgument) -> Exit {
 /// Greatest number of characters of a name in a report.
 const MAX_NAME_CHARACTERS: usize = 200;
 
-/// A name as a report shows it: without anything that commands a terminal or begins a line of its own.
+/// A name as a report shows it: it cannot control the terminal or begin a new line.
 pub fn name(text: &str) -> String {
     plain(&shortened(text, MAX_NAME_CHARACTERS)).into_owned()
 }
 
-/// A line of the report of a build: action, object and result.
+/// A line of a build report: action, object and result.
 pub fn line(verb: &str, subject: &str, subject_width: usize, text: &str) -> String {
     let verb = format!("{verb:>9}");
     let verb = if is_coloured(&io::stdout()) { format!("\x1b[1;32m{verb}\x1b[0m") } else { verb };
@@ -128,8 +128,8 @@ pub fn line(verb: &str, subject: &str, subject_width: usize, text: &str) -> Stri
     format!("{}\n", line.trim_end())
 }
 
-/// Rows in columns, each as wide as its widest entry, two blanks apart and two from the margin; numbers stand at the right, but
-/// for those of the last column.
+/// Rows in columns, each as wide as its widest entry, separated by two spaces and indented by two; numbers are
+/// right-aligned, except in the last column.
 pub fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let entries = |column: usize| rows.iter().filter_map(move |row| row.get(column));

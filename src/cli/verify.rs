@@ -1,4 +1,4 @@
-//! `tweeze verify`: from a log alone, or against a program that the user trusts.
+//! `tweeze verify`: checks a log alone, or against a program that the user trusts.
 
 use super::arguments::{ReportFormat, VerifyArguments};
 use super::disk::{self, MAX_LOG_BYTES};
@@ -20,7 +20,7 @@ use crate::verify::{self, Verified, Violation};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A refusal on its way to the terminal: its diagnostics, and the exit status.
+/// A refusal: its diagnostics and the exit status.
 pub struct Refusal {
     pub sources: Sources,
     pub sink: Sink,
@@ -34,14 +34,14 @@ impl Refusal {
         Box::new(Refusal { sources: Sources::default(), sink, exit })
     }
 
-    /// Reports it; the exit status.
+    /// Reports the refusal; returns the exit status.
     pub fn report(&self, format: ReportFormat) -> Exit {
         terminal::report(&self.sink, &self.sources, format);
         self.exit
     }
 }
 
-/// Replays a log; every refusing step states why.
+/// Replays a log and prints the report, or the reason of the refusal.
 pub fn run(arguments: &VerifyArguments) -> Exit {
     match judge(arguments) {
         Ok(text) => terminal::success(&text, arguments.quiet),
@@ -75,7 +75,8 @@ fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
     Ok(report(arguments, &judged))
 }
 
-/// Plans the program in a log again. The schedule must come out as it stands in the log, with all that the planner says of it.
+/// Plans the program in a log again. The result must be the schedule in the log, with everything that the planner says
+/// about it.
 fn replan(path: &Path, judged: &Judged, format: ReportFormat) -> Result<(), Box<Refusal>> {
     let (schedule, Provenance { files, settings, .. }) = (judged.verified.schedule(), &judged.provenance);
     let (name, text) = &files[0];
@@ -93,7 +94,7 @@ fn replan(path: &Path, judged: &Judged, format: ReportFormat) -> Result<(), Box<
         return Err(Box::new(Refusal { sources, sink, exit: Exit::Refused }));
     };
     terminal::report(&sink, &sources, format);
-    // As a log has them: what stays in the memory is not in it.
+    // Compared in the form that a log has, because a log omits what is only kept in memory.
     let [of_log, of_program] =
         [schedule, &replanned].map(|schedule| serde_json::to_vec(schedule).expect("all keys are texts"));
     match of_log == of_program {
@@ -105,7 +106,7 @@ fn replan(path: &Path, judged: &Judged, format: ReportFormat) -> Result<(), Box<
     }
 }
 
-/// A log that was accepted.
+/// An accepted log.
 pub struct Judged {
     /// The verified schedule.
     pub verified: Verified,
@@ -118,8 +119,9 @@ pub fn not_ours(version: &str) -> Box<Refusal> {
     Refusal::one(log::other_version(Some(version), None), Exit::Files)
 }
 
-/// Judges a log on its own: it is intact, its program has the claims that it contains, its schedule keeps the claims, and its messages show
-/// the schedule. Data are dropped as soon as they are no longer needed: all together may exceed the memory.
+/// Verifies a log on its own: it is intact, its program has the claims that it contains, its schedule keeps the claims,
+/// and its messages show the schedule. Data are dropped as soon as they are no longer needed, because together
+/// they may exceed the memory.
 pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<Judged, Box<Refusal>> {
     judge_log(path, bytes, log::read(bytes))
 }
@@ -127,14 +129,14 @@ pub fn judge_bytes(path: &Path, bytes: &[u8]) -> Result<Judged, Box<Refusal>> {
 /// A log that breaks rules.
 pub struct RefusedLog {
     pub schedule: Schedule,
-    /// Of the log's own program.
+    /// Claims and sources of the log's own program.
     pub derived: Derived,
     /// By time; at least one.
     pub violations: Vec<Violation>,
     pub provenance: Provenance,
 }
 
-/// What a log breaks of the claims of its own program; `None` if it was refused for something else.
+/// The violations of a log's own claims; `None` if it was refused for another reason.
 pub fn refused_bytes(path: &Path, bytes: &[u8]) -> Option<RefusedLog> {
     let Log { schedule, claims, files, settings, .. } = log::read(bytes).ok()?;
     let recorded = Embedding { name: &schedule.name, claims: &claims, files: &files, settings: &settings };
@@ -143,14 +145,14 @@ pub fn refused_bytes(path: &Path, bytes: &[u8]) -> Option<RefusedLog> {
     Some(RefusedLog { schedule, derived, violations, provenance: Provenance { files, settings, is_recorded: true } })
 }
 
-/// As [`judge_bytes`], with what was read from the bytes.
+/// As [`judge_bytes`], with the parsed log.
 fn judge_log(path: &Path, bytes: &[u8], log: Result<Log, LogError>) -> Result<Judged, Box<Refusal>> {
     let log = log.map_err(|error| match error {
         LogError::NotALog => Refusal::one(errors::not_a_log(path), Exit::Files),
         error => Refusal::one(error.diagnostic(), Exit::Files),
     })?;
     let version = log.version.clone();
-    // Another version may derive something else from the same program: that is no sign of an edit.
+    // Another version may derive different claims from the same program, which is not a sign of editing.
     let of_its_version = |refusal| if version == env!("CARGO_PKG_VERSION") { refusal } else { not_ours(&version) };
     let recorded =
         Embedding { name: &log.schedule.name, claims: &log.claims, files: &log.files, settings: &log.settings };
@@ -172,23 +174,23 @@ fn judge_log(path: &Path, bytes: &[u8], log: Result<Log, LogError>) -> Result<Ju
     }
 }
 
-/// The claims of a program, and its files for messages to point into.
+/// Claims of a program, with its sources for messages to point into.
 pub struct Derived {
     pub claims: Claims,
     pub sources: Sources,
 }
 
-/// The program in a file that was read.
+/// The program contained in a log or recording.
 pub struct Embedding<'a> {
-    /// Of the task or the program.
+    /// Name of the task or program.
     pub name: &'a str,
     pub claims: &'a [u8],
-    /// Name and text, the program's own first; at least one.
+    /// Name and text of each file, the program's own first; at least one.
     pub files: &'a [(String, String)],
     pub settings: &'a [String],
 }
 
-/// The claims of the program in the log, derived again; the log's own must agree.
+/// Derives the claims of the program in the log again; the claims in the log must agree.
 pub fn own_claims(path: &Path, within: &Embedding) -> Result<Derived, Box<Refusal>> {
     let (name, text) = &within.files[0];
     let options = options(within.name, within.settings);
@@ -203,17 +205,17 @@ pub fn own_claims(path: &Path, within: &Embedding) -> Result<Derived, Box<Refusa
     }
 }
 
-/// Claims in the form in which they are compared.
+/// Claims in the serialised form that is compared.
 fn written(claims: &Claims) -> Vec<u8> {
     log::write_claims(claims).expect("all keys are texts")
 }
 
-/// Compiler options: the schedule of the log's name, with some settings.
+/// Compiler options for the schedule of a name, with some settings.
 fn options(name: &str, settings: &[String]) -> Options {
     Options { settings: settings.to_vec(), only: Some(name.to_owned()) }
 }
 
-/// The claims of a program.
+/// Derives the claims of a program.
 fn derive(program: &ProgramSource) -> Result<Derived, Box<Refusal>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let checked = compile::check_program(program, &mut sources, &mut sink);
@@ -241,7 +243,7 @@ fn keeps_the_claims_of(schedule: &Schedule, derived: &Derived) -> Result<(), Box
     Err(Box::new(Refusal { sources: derived.sources.clone(), sink, exit: Exit::Refused }))
 }
 
-/// Checks the log against a program that the user trusts.
+/// Checks the log against a trusted program.
 fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Result<(), Box<Refusal>> {
     let schedule = judged.verified.schedule();
     let own = written(judged.verified.claims());
@@ -258,8 +260,9 @@ fn against(arguments: &VerifyArguments, trusted: &Path, judged: &Judged) -> Resu
     }
 }
 
-/// The claims of a program that the user trusts, for a log of this name with these settings and claims. Nothing of the log reaches that
-/// program: its settings are those of the command line, and if the log has others, that is reported before any consequence of it.
+/// Claims of a trusted program, for a log with this name, these settings and claims. Nothing from the log reaches that
+/// program: its settings are those of the command line. If the log has others, that is reported before any consequence
+/// of it.
 pub fn trusted_claims(
     arguments: &VerifyArguments,
     trusted: &Path,
@@ -275,7 +278,7 @@ pub fn trusted_claims(
     match (derive(&ProgramSource { name: &file, text: &text, library: &disk, options: &options }), unlike) {
         (Ok(derived), None) => Ok(derived),
         (Ok(derived), Some(unlike)) => match written(&derived.claims) == own {
-            // Settings equal to the program's own values.
+            // The settings are equal to the program's own values.
             true => Ok(derived),
             false => Err(Refusal::one(unlike, Exit::Refused)),
         },
@@ -286,7 +289,7 @@ pub fn trusted_claims(
     }
 }
 
-/// Refuses a log whose own program claims something else than the trusted one.
+/// Refuses a log whose own program makes different claims from the trusted one.
 pub fn claims_the_same(
     file: &Path,
     origin: LogOrigin,
@@ -333,7 +336,7 @@ fn report(arguments: &VerifyArguments, judged: &Judged) -> String {
 
 const REPLANNED: &str = "the program gives this plan again, with its bounds, estimates, guarantees and remarks";
 
-/// Claims of a log about its plans that no replay can check.
+/// Statements of a log about its plans that no replay can check.
 pub fn hearsay(schedule: &Schedule) -> String {
     let optimal = schedule.plans.iter().filter(|plan| plan.optimal).count();
     let optima = match (optimal, schedule.plans.len()) {

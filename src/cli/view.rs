@@ -35,7 +35,7 @@ pub fn run(arguments: &ViewArguments) -> Exit {
     })
 }
 
-/// Tells what was written, and opens the pages.
+/// Reports the files written and opens the pages.
 fn shown(arguments: &ViewArguments, opens: bool, written: Result<WrittenPages, FailedBuild>) -> Exit {
     let (exit, pages) = match written {
         Ok(written) => written,
@@ -50,7 +50,7 @@ fn shown(arguments: &ViewArguments, opens: bool, written: Result<WrittenPages, F
     exit
 }
 
-/// The exit status of the report, and the pages.
+/// The exit status of the report, and the paths of the pages.
 type WrittenPages = (Exit, Vec<PathBuf>);
 
 fn of_program(arguments: &ViewArguments, needed: &mut Glances) -> Result<WrittenPages, FailedBuild> {
@@ -105,13 +105,13 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
     Ok((terminal::answer(&text), pages))
 }
 
-/// Where the page of a log goes.
+/// Destination of the page of a log.
 fn destination<'a>(arguments: &'a ViewArguments, provenance: &'a Provenance, inputs: &'a Glances) -> Destination<'a> {
     let logged = provenance.files.first().map(|(name, _)| name.as_str());
     Destination { folder: &arguments.output, program: &arguments.file, logged, force: arguments.force, inputs }
 }
 
-/// The page of a log that was refused, where it breaks rules.
+/// Writes the page of a refused log, if it was refused for breaking rules.
 fn of_refused_log(arguments: &ViewArguments, bytes: &[u8], refusal: &Refusal) -> FailedBuild {
     let (path, format) = (&arguments.file, arguments.report.format);
     let exit = refusal.report(format);
@@ -135,7 +135,7 @@ fn of_refused_log(arguments: &ViewArguments, bytes: &[u8], refusal: &Refusal) ->
     }
 }
 
-/// Opens a page; without a browser it can still be opened by hand.
+/// Opens a page in the browser; if no browser starts, asks the user to open it.
 fn open(page: &Path) {
     if open::that_detached(page).is_err() {
         terminal::to_stderr(&format!("no browser could be started: open `{}` in one\n", page.display()));

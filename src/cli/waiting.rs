@@ -1,4 +1,4 @@
-//! A sign of life for work that lasts longer than a second; on a terminal only.
+//! Progress line for work that lasts longer than a second; on a terminal only.
 
 use crate::plan::watch::{SearchNews, SearchWatch};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,7 +10,7 @@ use std::time::Duration;
 /// Time after which a progress line appears.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Period in which the line is drawn again.
+/// Interval at which the line is redrawn.
 const TICK: Duration = Duration::from_millis(100);
 
 /// Progress line; appears after one second. Dropping it clears the line.
@@ -29,7 +29,7 @@ struct Shared {
 #[derive(Default)]
 struct State {
     part: Option<WorkPart>,
-    /// Once it has appeared.
+    /// `None` until the line appears.
     bar: Option<ProgressBar>,
     is_over: bool,
 }
@@ -43,11 +43,11 @@ struct WorkPart {
 
 impl Shared {
     fn state(&self) -> MutexGuard<'_, State> {
-        // A thread that panicked has left a bar as it was.
+        // A thread that panicked has left the bar as it was.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for the patience to end, then shows the line and what the search comes to, until the work is over.
+    /// Waits until the line is due, then shows it with the progress of the search until the work is over.
     fn watch(&self) {
         let mut patience = PATIENCE;
         loop {
@@ -64,7 +64,7 @@ impl Shared {
 }
 
 impl ProgressLine {
-    /// Begins to wait for work and its searches; silent where standard error is no terminal.
+    /// Starts waiting for work and its searches; shows nothing if standard error is not a terminal.
     pub fn begin(search: &Arc<SearchWatch>) -> ProgressLine {
         let shared = Arc::new(Shared { search: Arc::clone(search), state: Mutex::default(), end: Condvar::new() });
         let watched = Arc::clone(&shared);
@@ -72,12 +72,12 @@ impl ProgressLine {
         ProgressLine { shared, watcher: is_shown.then(|| std::thread::spawn(move || watched.watch())) }
     }
 
-    /// Tells that a part of the work has begun.
+    /// Records that a part of the work has begun.
     pub fn at(&self, index: usize, count: usize, name: &str) {
         self.shared.state().part = Some(WorkPart { index, count, name: name.to_owned() });
     }
 
-    /// Writes to the terminal while the line is out of the way.
+    /// Writes to the terminal while the line is hidden.
     pub fn beside<T>(&self, write: impl FnOnce() -> T) -> T {
         match &self.shared.state().bar {
             Some(bar) => bar.suspend(write),
@@ -112,7 +112,7 @@ fn progress_text(name: &str, news: &SearchNews) -> String {
     format!("{name}{searched}{best}")
 }
 
-/// A number of steps that changes all the time.
+/// A number of steps in short form, because it changes all the time.
 fn steps_in_short(steps: u64) -> String {
     match steps {
         0..10_000 => format!("{steps} steps"),

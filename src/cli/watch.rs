@@ -1,4 +1,4 @@
-//! `--watch`: programs are built again whenever one of their files changes.
+//! `--watch`: builds programs again whenever one of their files changes.
 
 use super::arguments::QuietArgument;
 use super::glances::Glances;
@@ -8,11 +8,11 @@ use std::path::PathBuf;
 use std::thread;
 use std::time::Duration;
 
-/// Period in which files are looked at: that works on every file system, also on those that tell nobody of changes.
+/// Polling interval. Polling works on every file system, including those without change notifications.
 const PERIOD: Duration = Duration::from_millis(150);
 
-/// Builds, and builds again after each change of a file that the last build needed. A build answers with its exit status and adds the
-/// files that it needs, each as it was before it was read. Only a signal ends it, or wrong usage.
+/// Builds, and builds again after each change of a file that the last build needed. `build` returns its exit status and
+/// adds the files that it needs, each with its state before it was read. Only a signal or wrong usage ends the loop.
 pub fn watch(programs: &[PathBuf], quiet: QuietArgument, mut build: impl FnMut(&mut Glances) -> Exit) -> Exit {
     loop {
         let mut needed = Glances::of(programs);
@@ -20,9 +20,9 @@ pub fn watch(programs: &[PathBuf], quiet: QuietArgument, mut build: impl FnMut(&
             return Exit::Usage;
         }
         let files = count(needed.len(), "file");
-        // Without a reader it goes on.
+        // Goes on even if nobody reads the output.
         let _ = terminal::success(&terminal::line("Watching", &files, 0, "Ctrl-C ends"), quiet);
-        // What changed while the build went on is built again, too.
+        // Changes during the build trigger another one too.
         while needed.again() == needed {
             thread::sleep(PERIOD);
         }
@@ -30,7 +30,7 @@ pub fn watch(programs: &[PathBuf], quiet: QuietArgument, mut build: impl FnMut(&
     }
 }
 
-/// Waits until files stay as they are: an editor may write in several steps.
+/// Waits until files stop changing, because an editor may write in several steps.
 fn settle(mut files: Glances) {
     loop {
         thread::sleep(PERIOD);

@@ -1,12 +1,12 @@
-//! The ledger of codes: one row each, never used again for another thing.
+//! Table of codes, one row each; a code is never reused with another meaning.
 //!
-//! `E01xx` syntax, `02` names, `03` units and values, `04` devices, `05` scenes and tasks, `06` planning, `07` verification,
-//! `08` files and formats; warnings `W…` share the numbers. Each row has its page in `explain/`.
+//! `E01xx` syntax, `02` names, `03` units and values, `04` devices, `05` scenes and tasks, `06` planning, `07`
+//! verification, `08` files and formats; warnings `W…` share the numbers. Each row has its page in `explain/`.
 
 use serde::{Serialize, Serializer};
 use std::fmt;
 
-/// How grave a diagnostic is.
+/// Severity of a diagnostic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
     Error,
@@ -20,7 +20,7 @@ macro_rules! ledger {
         pub enum Code { $(#[doc = $summary] $code,)* }
 
         impl Code {
-            /// Every code, in the ledger's order.
+            /// Every code, in the order of the table.
             pub const ALL: &'static [Code] = &[$(Code::$code),*];
 
             /// The code as it is printed.
@@ -344,17 +344,17 @@ ledger! {
 }
 
 impl Code {
-    /// The code of a printed name, in any case.
+    /// The code of a printed name; case is ignored.
     pub fn find(name: &str) -> Option<Code> {
         Code::ALL.iter().copied().find(|code| code.name().eq_ignore_ascii_case(name))
     }
 
-    /// Whether a text could not be read.
+    /// Whether it is about syntax.
     pub fn is_of_syntax(self) -> bool {
         self.name().starts_with("E01")
     }
 
-    /// An error stops the build, a warning does not: the first letter decides.
+    /// Errors stop the build and warnings do not; the first letter of the code decides.
     pub fn severity(self) -> Severity {
         if self.name().starts_with('E') { Severity::Error } else { Severity::Warning }
     }

@@ -1,4 +1,4 @@
-//! Diagnostics for other programs: JSON, one line of text, workflow commands of GitHub Actions, and SARIF 2.1.0.
+//! Machine-readable diagnostics: JSON, one line of text, workflow commands of GitHub Actions, and SARIF 2.1.0.
 //!
 //! Lines count from 1, columns from 1 in characters; an end is the place after the last character.
 
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// The schema that SARIF documents name.
+/// The schema of the SARIF documents.
 const SARIF_SCHEMA: &str = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json";
 
 /// `error` or `warning`.
@@ -20,8 +20,9 @@ pub fn severity(code: Code) -> &'static str {
     }
 }
 
-/// One diagnostic as a line of JSON. `file`, `line`, `column`, `end_line` and `end_column` are the place that it points to, null if there
-/// is none; `labels` lists all places, each with its text; `edits` are what mends it, null where that is not known to the letter.
+/// One diagnostic as a line of JSON. `file`, `line`, `column`, `end_line` and `end_column` are the place that it points
+/// to, null if there is none; `labels` lists all places, each with its text; `edits` are the edits that fix it, null if
+/// they are not known exactly.
 pub fn json_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let labels: Vec<Value> = diagnostic.labels.iter().map(|label| json_label(label, sources)).collect();
     let mut object = json!({
@@ -39,7 +40,7 @@ pub fn json_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
     object.to_string()
 }
 
-/// What to write for what stands from a place up to its end.
+/// An edit: a place and the text that replaces it.
 fn json_edit(edit: &SourceEdit, sources: &Sources) -> Value {
     json_place(edit.span, "replacement", &edit.text, sources)
 }
@@ -48,7 +49,7 @@ fn json_label(label: &Label, sources: &Sources) -> Value {
     json_place(label.span, "text", &label.text, sources)
 }
 
-/// A place with a text of its own.
+/// A place, with a text under a given key.
 fn json_place(span: Span, key: &str, text: &str, sources: &Sources) -> Value {
     let file = sources.file(span.file);
     let (start, end) = (file.position(span.start), file.position(span.end));
@@ -62,7 +63,7 @@ fn json_place(span: Span, key: &str, text: &str, sources: &Sources) -> Value {
     })
 }
 
-/// One diagnostic as a line of text, as compilers write it: `fetch.twz:21:11: error[E0503]: title`.
+/// One diagnostic as one line of text, in the usual form of compilers: `fetch.twz:21:11: error[E0503]: title`.
 pub fn short_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let place = diagnostic.span().map_or_else(String::new, |span| {
         let file = sources.file(span.file);
@@ -79,7 +80,7 @@ pub fn github_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let place = diagnostic.span().map_or_else(String::new, |span| {
         let file = sources.file(span.file);
         let (start, end) = (file.position(span.start), file.position(span.end));
-        // Columns are read only if they are of one line.
+        // GitHub reads columns only if both are on the same line.
         let columns = match start.line == end.line {
             true => format!(",col={},endColumn={}", start.column, end.column),
             false => String::new(),

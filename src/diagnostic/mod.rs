@@ -1,7 +1,7 @@
 //! Diagnostics: one form for every stage, collected in a [`Sink`].
 //!
-//! A stage pushes [`Diagnostic`]s and continues; it never prints. `code` is the ledger of codes; `render` turns a diagnostic into
-//! text for people, `machine` into text for other programs.
+//! A stage pushes [`Diagnostic`]s and continues; it never prints. `code` is the table of codes; `render` turns a
+//! diagnostic into text for people, `machine` into text for programs.
 
 pub mod code;
 mod excerpt;
@@ -17,14 +17,14 @@ use crate::source::Span;
 use rustc_hash::FxHashSet;
 use serde::Serialize;
 
-/// A place in the source and its text.
+/// A span of the source with a text.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Label {
     pub span: Span,
     pub text: String,
 }
 
-/// One mistake, or one warning.
+/// One error or warning.
 ///
 /// The title is lower case without a full stop and names the fault, with the number, its unit and the limit. The first
 /// label is the place itself; further ones explain the conflict. The help is the fix.
@@ -34,29 +34,29 @@ pub struct Diagnostic {
     pub title: String,
     pub labels: Vec<Label>,
     pub help: Option<String>,
-    /// The edits that the help describes, all of them together, where they are known to the letter; in order, apart from each other, and
-    /// all of one file.
+    /// The edits that the help describes, if they are known exactly; they belong together, are in order, do not
+    /// overlap, and are all in one file.
     #[serde(skip)]
     pub mend: Vec<SourceEdit>,
-    /// The device that has no plan, where that is what the diagnostic is about.
+    /// The device that has no plan, if the diagnostic is about that.
     #[serde(skip)]
     pub device: Option<String>,
-    /// How far the search for a plan came, where that can be shown.
+    /// How far the search for a plan came, if that can be shown.
     #[serde(skip)]
     pub reaches: Vec<Reach>,
-    /// What remains of a proof that there is no plan, where it does not hold for every start of the task.
+    /// Replacement for a proof that there is no plan, if the proof does not hold for every start of the task.
     #[serde(skip)]
     pub without_proof: Option<Box<Diagnostic>>,
 }
 
-/// Of a task that begins where the plan of an earlier one chose to end.
+/// Added to the help for a task that begins at a place that the planner chose for the end of an earlier one.
 const FROM_ONE_START: &str = "the plan of an earlier task chose where this one begins, and from elsewhere it may have a plan: name the place \
                               there, or make one task of both";
 
-/// A result, or the one mistake that prevents it; boxed, since a diagnostic is far larger than most results.
+/// A result, or the one diagnostic that prevents it; boxed, because a diagnostic is far larger than most results.
 pub type Diagnosed<T = ()> = Result<T, Box<Diagnostic>>;
 
-/// A text for what stands at a place; an empty place is one where nothing stands yet.
+/// A replacement of the text of a span; an empty span is an insertion.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceEdit {
     pub span: Span,
@@ -64,7 +64,7 @@ pub struct SourceEdit {
 }
 
 impl Diagnostic {
-    /// A diagnostic without a place yet.
+    /// A diagnostic without labels.
     pub fn new(code: Code, title: impl Into<String>) -> Self {
         Diagnostic {
             code,
@@ -78,13 +78,14 @@ impl Diagnostic {
         }
     }
 
-    /// Adds what remains of it where it is no proof.
+    /// Sets the diagnostic that replaces this one if it is not a proof.
     #[must_use]
     pub fn or_without_proof(self, rest: Diagnostic) -> Self {
         Diagnostic { without_proof: Some(Box::new(rest)), ..self }
     }
 
-    /// What it says of a task whose start is only one of several: it proves nothing, and the help says so.
+    /// The diagnostic for a task whose start is only one of several possible ones: it proves nothing, and the help says
+    /// so.
     fn weakened(self) -> Self {
         let weaker = match (self.code, self.without_proof) {
             (_, Some(rest)) => *rest,
@@ -96,14 +97,14 @@ impl Diagnostic {
         Diagnostic { help: Some(help), ..weaker }
     }
 
-    /// Adds a place; the first one added is where the diagnostic points.
+    /// Adds a label; the diagnostic points at the first one.
     #[must_use]
     pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.push(Label { span, text: text.into() });
         self
     }
 
-    /// Adds a place unless it is labelled already, as happens in a `for`.
+    /// Adds a label unless its span is already labelled, as may happen in a `for`.
     #[must_use]
     pub fn label_elsewhere(self, span: Span, labelled: Span, text: impl Into<String>) -> Self {
         if span == labelled { self } else { self.label(span, text) }
@@ -116,28 +117,28 @@ impl Diagnostic {
         self
     }
 
-    /// Adds how far the search for a plan came, as far as that is known.
+    /// Adds how far the search for a plan came, if it is known.
     #[must_use]
     pub fn reached(mut self, reaches: impl IntoIterator<Item = Reach>) -> Self {
         self.reaches.extend(reaches);
         self
     }
 
-    /// Asks whether a near word was meant, which then stands for what the diagnostic points to.
+    /// Sets the help to ask whether a similar word was meant, and the fix to write it at the first label.
     #[must_use]
     pub fn near(self, near: &str) -> Self {
         let mended = self.span().map(|span| SourceEdit { span, text: near.to_owned() });
         Diagnostic { mend: mended.into_iter().collect(), ..self.help(format!("did you mean `{near}`?")) }
     }
 
-    /// Adds an edit to those that mend it, as the help describes them.
+    /// Adds an edit to the fix that the help describes.
     #[must_use]
     pub fn mended(mut self, span: Span, text: impl Into<String>) -> Self {
         self.mend.push(SourceEdit { span, text: text.into() });
         self
     }
 
-    /// As [`Self::mended`] at the place that the diagnostic points to.
+    /// As [`Self::mended`], at the first label.
     #[must_use]
     pub fn mended_here(self, text: impl Into<String>) -> Self {
         match self.span() {
@@ -146,8 +147,8 @@ impl Diagnostic {
         }
     }
 
-    /// As [`Self::near`] for the name of an object, given with where it stands without its indices: of `sample[i]`, which is `sample0`, only
-    /// `sample` is mended.
+    /// As [`Self::near`] for the name of an object, whose written word has no indices: for `sample[i]`, which is
+    /// `sample0`, only `sample` is replaced.
     #[must_use]
     pub fn near_object(self, name: &str, word: Span, near: &str) -> Self {
         let index = name.get(word.range().len()..).unwrap_or_default();
@@ -157,7 +158,7 @@ impl Diagnostic {
         }
     }
 
-    /// As [`Self::near`] where there is a near word; else another help.
+    /// As [`Self::near`] if there is a similar word; otherwise another help.
     #[must_use]
     pub fn near_or(self, near: Option<&str>, otherwise: impl Into<String>) -> Self {
         match near {
@@ -173,7 +174,7 @@ impl Diagnostic {
         self
     }
 
-    /// The text of the file that it is about, mended; `None` where the edits are not known or not those of such a text.
+    /// The text of the file with the edits applied; `None` if there are none or they do not fit the text.
     pub fn mend_in(&self, text: &str) -> Option<String> {
         let mut mended = String::new();
         let mut at = 0;
@@ -186,19 +187,19 @@ impl Diagnostic {
         (!self.mend.is_empty()).then_some(mended)
     }
 
-    /// Where it points, if it points into a file at all.
+    /// The span of the first label, if there is one.
     pub fn span(&self) -> Option<Span> {
         self.labels.first().map(|label| label.span)
     }
 
-    /// Whether another one reports the same at the same places.
+    /// Whether another diagnostic reports the same at the same places.
     fn repeats(&self, other: &Diagnostic) -> bool {
         let same_places =
             || !self.labels.is_empty() && self.labels.iter().map(|l| l.span).eq(other.labels.iter().map(|l| l.span));
         self.code == other.code && (self == other || same_places())
     }
 
-    /// The diagnostic with texts of readable length: a name of a megabyte is shown by its two ends.
+    /// The diagnostic with texts of readable length: a very long name is shown by its two ends.
     fn shortened(mut self) -> Diagnostic {
         let texts = [&mut self.title].into_iter().chain(self.labels.iter_mut().map(|label| &mut label.text));
         for text in texts.chain(&mut self.help) {
@@ -215,17 +216,17 @@ impl Diagnostic {
     }
 }
 
-/// A line of a report: its topic, and the text.
+/// A line of a report: its topic and its text.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Remark {
     pub subject: String,
     pub text: String,
 }
 
-/// Greatest number of diagnostics that are kept; a file with more mistakes than this is not a Tweeze file.
+/// Greatest number of diagnostics that are kept; a file with more is not a Tweeze file.
 pub const MAX_DIAGNOSTICS: usize = 200;
 
-/// Greatest number of characters of a title, a label or a help that are kept, apart from a note on the number left out.
+/// Greatest number of characters of a title, a label or a help that are kept, without the note on the number left out.
 pub const MAX_TEXT_CHARACTERS: usize = 2000;
 
 /// Collects the findings of the stages.
@@ -234,13 +235,13 @@ pub struct Sink {
     diagnostics: Vec<Diagnostic>,
     errors: usize,
     dropped: usize,
-    /// What was reported where, of the diagnostics that were not kept.
+    /// Codes and places of the diagnostics that were not kept.
     dropped_places: FxHashSet<(Code, Vec<Span>)>,
 }
 
 impl Sink {
-    /// Adds a diagnostic. A finding is kept once: repetitions by a `for` or a further run at the same places, possibly with other figures,
-    /// add nothing. Beyond [`MAX_DIAGNOSTICS`] it is only counted.
+    /// Adds a diagnostic. Each finding is kept once: repetitions at the same places, by a `for` or a further run,
+    /// possibly with other figures, are ignored. Beyond [`MAX_DIAGNOSTICS`] it is only counted.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         let diagnostic = diagnostic.shortened();
         if self.diagnostics.iter().any(|known| known.repeats(&diagnostic)) {
@@ -259,7 +260,7 @@ impl Sink {
         self.errors += usize::from(is_error);
     }
 
-    /// Adds a finding, if there is one; `None` then.
+    /// Adds a finding, if there is one; returns `None` if so.
     pub fn unless(&mut self, wrong: Option<Diagnostic>) -> Option<()> {
         match wrong {
             Some(diagnostic) => {
@@ -270,18 +271,19 @@ impl Sink {
         }
     }
 
-    /// Says of each finding which device has no plan.
+    /// Marks each finding as being about a device that has no plan.
     pub fn about_device(&mut self, device: &str) {
         self.diagnostics.iter_mut().for_each(|diagnostic| diagnostic.device = Some(device.to_owned()));
     }
 
-    /// The start of the task that the findings are about is only one of several: no finding proves that there is no plan.
+    /// Weakens all findings, because the task that they are about starts at only one of several possible places: no
+    /// finding proves that there is no plan.
     pub fn weaken(&mut self) {
         let findings = std::mem::take(&mut self.diagnostics);
         self.diagnostics = findings.into_iter().map(Diagnostic::weakened).collect();
     }
 
-    /// Adds the findings of another sink, with the number of those that it did not keep.
+    /// Adds the findings of another sink, and the number of those that it did not keep.
     pub fn append(&mut self, other: Sink) {
         let kept = other.diagnostics.iter().filter(|diagnostic| diagnostic.is_error()).count();
         self.errors += other.errors - kept;
@@ -289,7 +291,7 @@ impl Sink {
         other.diagnostics.into_iter().for_each(|diagnostic| self.push(diagnostic));
     }
 
-    /// The findings that are to be kept.
+    /// The sink with only the findings that `keeps` accepts.
     #[must_use]
     pub fn retained(mut self, mut keeps: impl FnMut(&Diagnostic) -> bool) -> Sink {
         let errors = &mut self.errors;
@@ -301,7 +303,7 @@ impl Sink {
         self
     }
 
-    /// How many errors were pushed so far: a stage compares before and after to know whether it failed.
+    /// Number of errors pushed so far; a stage that compares it before and after knows whether it failed.
     pub fn errors(&self) -> usize {
         self.errors
     }

@@ -1,4 +1,4 @@
-//! Places of a scene that diagnostics are about, for pictures of them.
+//! Places of a scene that diagnostics are about, for drawing them.
 
 use crate::source::Span;
 
@@ -6,7 +6,7 @@ use crate::source::Span;
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrittenPlace {
     pub span: Span,
-    /// The device whose task names it; `None` for a place of an object in a scene.
+    /// The device whose task names the place; `None` for the place of an object in a scene.
     pub device: Option<String>,
     pub unit: PlaceUnit,
     pub at: [f64; 2],
@@ -21,22 +21,22 @@ pub enum PlaceUnit {
     Micrometres,
 }
 
-/// How far something came in a search that found no plan: all that it reached, where that is the proof.
+/// How far a search without a plan came: everything that it reached, if that is the proof.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reach {
-    /// What cannot go on: a part, a robot, or the tip of the device.
+    /// What is stuck: a part, a robot, or the tip of the device.
     pub what: String,
     pub extent: ReachExtent,
 }
 
-/// How far it came, in the terms of its kind.
+/// Extent of a `Reach`, in the terms of its kind.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ReachExtent {
     /// Rows of neighbouring cells, as the program counts them.
     Cells(Vec<CellRun>),
     /// A turn in a plane of the part; positive from its first axis to its second.
     Turn { plane: &'static str, reached_deg: f64, asked_deg: f64 },
-    /// Where the last way that was tried ended: a place in micrometres and the heading in radians.
+    /// End of the last path that was tried: a place in micrometres and the heading in radians.
     Pose([f64; 3]),
 }
 
@@ -44,12 +44,12 @@ pub enum ReachExtent {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CellRun {
     pub row: u32,
-    /// The columns of the first and of the last.
+    /// The first and the last column.
     pub columns: [u32; 2],
 }
 
 impl CellRun {
-    /// The runs of some cells, each a column and a row.
+    /// Groups cells, each a column and a row, into runs.
     pub fn all(cells: impl IntoIterator<Item = (u32, u32)>) -> Vec<CellRun> {
         let mut cells: Vec<(u32, u32)> = cells.into_iter().map(|(column, row)| (row, column)).collect();
         cells.sort_unstable();

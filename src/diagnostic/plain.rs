@@ -1,19 +1,20 @@
-//! Text from elsewhere, made fit to be printed: a name must not command the terminal, forge a line, or fill the screen.
+//! Sanitising of text from elsewhere for output: a name must not control the terminal, forge a line, or fill the
+//! screen.
 
 use std::borrow::Cow;
 
 /// Stands for a character that is not shown.
 const REPLACEMENT: char = '\u{fffd}';
 
-/// Whether a character does something to a terminal or to the order of text instead of being seen: control characters, line and
-/// paragraph separators, marks that turn the direction of writing, and characters without any width.
+/// Whether a character affects the terminal or the order of text instead of being visible: control characters, line and
+/// paragraph separators, marks that change the direction of writing, and zero-width characters.
 pub fn commands(character: char) -> bool {
     character.is_control()
         || matches!(character,
             '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
 }
 
-/// The text on one line, with [`char::REPLACEMENT_CHARACTER`] for every character that [`commands`].
+/// The text on one line, with [`char::REPLACEMENT_CHARACTER`] for every character that [`commands`] accepts.
 pub fn plain(text: &str) -> Cow<'_, str> {
     match text.contains(commands) {
         true => Cow::Owned(text.chars().map(|c| if commands(c) { REPLACEMENT } else { c }).collect()),
@@ -21,7 +22,7 @@ pub fn plain(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// As [`plain`], but line ends are kept.
+/// As [`plain`], but keeps line ends.
 pub fn plain_lines(text: &str) -> String {
     text.split('\n').map(plain).collect::<Vec<_>>().join("\n")
 }

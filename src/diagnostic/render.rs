@@ -1,4 +1,4 @@
-//! Turns diagnostics into text: the only place that knows miette.
+//! Renders diagnostics as text; the only module that uses miette.
 
 use super::excerpt::{CONTEXT_LINES, Excerpt};
 use super::plain::{plain, plain_lines};
@@ -9,7 +9,7 @@ use console::Style;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, ThemeCharacters, ThemeStyles};
 use std::fmt;
 
-/// How a report looks.
+/// Appearance of a report.
 #[derive(Debug, Clone, Copy)]
 pub struct Look {
     pub colour: Colour,
@@ -25,31 +25,31 @@ pub enum Colour {
     Ansi,
 }
 
-/// Characters with which a report is drawn.
+/// Characters that a report is drawn with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Characters {
     Ascii,
     Unicode,
 }
 
-/// The columns that a report has at least, however narrow the terminal.
+/// Least number of columns of a report, however narrow the terminal.
 pub const MIN_WIDTH: usize = 40;
 
-/// One diagnostic for a person: severity, code and title on one line, the source with every place labelled, help.
+/// One diagnostic for people: severity, code and title on one line, the source with every place labelled, and the help.
 pub fn human(diagnostic: &Diagnostic, sources: &Sources, look: Look) -> String {
     let mut text = title(diagnostic, look.colour);
     let handler = handler(look);
     for part in parts(diagnostic, sources) {
         let mut drawn = String::new();
         if handler.render_report(&mut drawn, &part).is_ok() {
-            // Its first line is that of the title, which is empty.
+            // miette's first line is for the title, which is empty here.
             text.push_str(drawn.split_once('\n').map_or("", |(_, body)| body));
         }
     }
     text
 }
 
-/// The title with its code, on one line however long: the terminal wraps it.
+/// The title with its code, on one line of any length; the terminal wraps it.
 fn title(diagnostic: &Diagnostic, colour: Colour) -> String {
     let bold = Style::new().bold().force_styling(colour == Colour::Ansi);
     let (word, style) = match diagnostic.code.severity() {
@@ -60,7 +60,7 @@ fn title(diagnostic: &Diagnostic, colour: Colour) -> String {
     format!("{head}{}\n", bold.apply_to(format!(": {}", plain(&diagnostic.title))))
 }
 
-/// What a sink holds, counted: `2 errors, 1 warning`; nothing of an empty one.
+/// Counts of a sink: `2 errors, 1 warning`; `None` if it is empty.
 pub fn counted(sink: &Sink) -> Option<String> {
     let warnings = sink.sorted().iter().filter(|diagnostic| !diagnostic.is_error()).count();
     let counts = [(sink.errors(), "error"), (warnings, "warning")].into_iter().filter(|one| one.0 > 0);
@@ -83,7 +83,7 @@ fn handler(look: Look) -> GraphicalReportHandler {
         .with_context_lines(CONTEXT_LINES)
 }
 
-/// A part of a diagnostic as miette sees it: the labels of one file, or the help alone.
+/// A part of a diagnostic in miette's form: the labels of one file, or only the help.
 struct MietteReport {
     severity: Severity,
     help: Option<String>,
@@ -91,7 +91,7 @@ struct MietteReport {
     labels: Vec<LabeledSpan>,
 }
 
-/// One part for each file that is labelled; the help is in the last one.
+/// One part for each labelled file; the help is in the last part.
 fn parts(diagnostic: &Diagnostic, sources: &Sources) -> Vec<MietteReport> {
     let severity = diagnostic.code.severity();
     let mut files: Vec<FileId> = Vec::new();
@@ -117,7 +117,7 @@ fn parts(diagnostic: &Diagnostic, sources: &Sources) -> Vec<MietteReport> {
 
 impl fmt::Display for MietteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The title stands above all parts.
+        // The title is printed above all parts.
         f.write_str("")
     }
 }

@@ -1,25 +1,25 @@
-//! Where the cursor stands among the blocks and entries of a text, which need not be whole: nothing behind the cursor is read.
+//! Context of the cursor in blocks and entries. The text may be incomplete; nothing after the cursor is read.
 
 use crate::syntax::{PREPOSITIONS, is_word};
 
-/// The place of a cursor, as what is open before it.
+/// Context of a cursor: what is open before it.
 #[derive(Debug, Default, PartialEq)]
 pub struct CursorPlace<'t> {
-    /// The tokens before each brace that is open, outermost first: `task go on bot`, then `using exact`.
+    /// The tokens before each open brace, outermost first: `task go on bot`, then `using exact`.
     pub heads: Vec<Vec<&'t str>>,
-    /// The tokens of the entry before the cursor, up to a bracket that is open, and without the name that is being written.
+    /// The tokens of the entry before the cursor, up to an open bracket and without the name that is being written.
     pub entry: Vec<&'t str>,
-    /// Behind a round or square bracket that is open, the tokens since it or its last comma.
+    /// Inside an open round or square bracket, the tokens since the bracket or its last comma.
     pub in_brackets: Option<Vec<&'t str>>,
     /// The names before the dots of the name that is being written: `std` of `std.di`.
     pub path: Vec<&'t str>,
 }
 
 impl<'t> CursorPlace<'t> {
-    /// The place behind a text; `None` in comments, strings and numbers, where no word begins.
+    /// The context at the end of a text; `None` in comments, strings and numbers, where no word begins.
     pub fn behind(text: &'t str) -> Option<CursorPlace<'t>> {
         let whole = text.trim_end_matches(|c| is_word(c) || c == '.');
-        // The range of a loop has two dots, and no name.
+        // The two dots of a loop's range do not belong to a name.
         let range = text[whole.len()..].rfind("..").map_or(0, |at| at + 2);
         let (before, written) = text.split_at(whole.len() + range);
         if written.starts_with(|first: char| first.is_ascii_digit() || first == '.') {
@@ -49,14 +49,15 @@ impl<'t> CursorPlace<'t> {
     }
 }
 
-/// The braces and brackets that are open, and where entries began.
+/// Open braces and brackets, and where entries began.
 #[derive(Debug, Default)]
 struct OpenBlocks<'t> {
-    /// The tokens before each open brace, with the beginnings of their entry.
+    /// The tokens before each open brace, with the entry beginnings at that time.
     heads: Vec<(Vec<&'t str>, [usize; 2])>,
-    /// Of the entry at the end, and of the one before it, which goes on where this one begins with a preposition.
+    /// Beginnings of the last entry and of the one before it, which is continued if the last one begins with a
+    /// preposition.
     entries: [usize; 2],
-    /// Where each open bracket of the entry stands, and where its last argument begins.
+    /// For each open bracket of the entry, where it stands and where its last argument begins.
     brackets: Vec<[usize; 2]>,
 }
 
@@ -67,7 +68,7 @@ impl<'t> OpenBlocks<'t> {
                 self.heads.push((self.entry(text, token.start), self.entries));
                 self.begin([token.end; 2]);
             }
-            // What follows on its line belongs to what stands before the braces.
+            // What follows on the same line continues the entry before the braces.
             "}" => {
                 let head = self.heads.pop();
                 self.begin(head.map_or([token.end; 2], |head| head.1));
@@ -89,7 +90,7 @@ impl<'t> OpenBlocks<'t> {
         self.brackets.clear();
     }
 
-    /// Whether a comma stands between the two names of a loop.
+    /// Whether a comma separates the two names of a loop.
     fn is_counted_loop(&self, text: &str, comma: usize) -> bool {
         text[self.entries[0]..comma].trim_start().starts_with("for ") && self.entry(text, comma).len() == 2
     }
@@ -97,7 +98,7 @@ impl<'t> OpenBlocks<'t> {
     fn entry<'a>(&self, text: &'a str, end: usize) -> Vec<&'a str> {
         let own = tokens(&text[self.entries[0]..end]);
         let goes_on = match own.as_slice() {
-            // A loop, unless a duration follows.
+            // `for` begins a loop, unless `at most` or a duration follows.
             ["for", next, ..] => *next == "at" || next.starts_with(|first: char| first.is_ascii_digit()),
             ["for"] | [] => false,
             [first, ..] => PREPOSITIONS.contains(first),
@@ -113,7 +114,8 @@ impl<'t> OpenBlocks<'t> {
     }
 }
 
-/// Where the token at a byte ends: a name with its dots, a number, a comment, a string, an operator, blanks or one character.
+/// End of the token at a byte: a name with its dots, a number, a comment, a string, an operator, spaces or one
+/// character.
 fn end_of_token(text: &str, at: usize) -> usize {
     let rest = &text[at..];
     let first = rest.chars().next().unwrap_or_default();
@@ -137,7 +139,7 @@ fn end_of_token(text: &str, at: usize) -> usize {
     }
 }
 
-/// The tokens of a text without blanks and comments; what stands in brackets or braces is one token with them.
+/// The tokens of a text without spaces and comments; a bracket or brace with its content is one token.
 fn tokens(text: &str) -> Vec<&str> {
     let mut tokens = Vec::new();
     let (mut at, mut depth, mut group) = (0, 0_usize, 0);

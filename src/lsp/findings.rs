@@ -1,4 +1,4 @@
-//! The checker's findings of an open program, as editors show them.
+//! The checker's findings of an open program, in the form that editors show.
 
 use super::hints::CheckedFigures;
 use super::text::{self, ColumnUnit, EditedText};
@@ -14,24 +14,24 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Open texts in place of files.
+/// Library that prefers open texts to files on the disk.
 pub struct Overlay<'a> {
-    /// That of the program.
+    /// Folder of the program.
     pub folder: &'a Path,
     pub texts: &'a BTreeMap<PathBuf, &'a str>,
     pub disk: &'a dyn Library,
 }
 
 impl<'a> Overlay<'a> {
-    /// Round the program of a path.
+    /// The overlay for the program of a path.
     pub fn round(path: &'a Path, texts: &'a BTreeMap<PathBuf, &'a str>, disk: &'a dyn Library) -> Overlay<'a> {
         Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk }
     }
 
-    /// The path of a file by its name beside the program.
+    /// Path of a file that is named relative to the program.
     pub fn path(&self, name: &str) -> PathBuf {
         match self.folder.as_os_str().is_empty() {
-            // A text that was never saved.
+            // The program is a text that was never saved.
             true => PathBuf::from(name),
             false => PathBuf::from(beside(&format!("{}/", self.folder.display()), name)),
         }
@@ -56,17 +56,17 @@ impl Library for Overlay<'_> {
     }
 }
 
-/// What the checker finds of an open program.
+/// Result of checking an open program.
 #[derive(Default)]
 pub struct OpenFindings {
     pub found: Vec<lsp_types::Diagnostic>,
-    /// If there is no error.
+    /// Empty if there is an error.
     pub figures: CheckedFigures,
-    /// The files that it reads from open texts, itself among them.
+    /// The open texts that it reads, its own included.
     pub read: BTreeSet<PathBuf>,
 }
 
-/// Checks the program of a path, which is one of the open texts.
+/// Checks the program of a path, which must be one of the open texts.
 pub fn of(
     path: &Path,
     uri: &Uri,
@@ -93,7 +93,7 @@ fn read_of(path: &Path, sources: &Sources, library: &Overlay) -> BTreeSet<PathBu
     open.chain([path.to_owned()]).collect()
 }
 
-/// The findings of the program of a path as the compiler has them, and the files that it reads from open texts, itself among them.
+/// The compiler's findings of a program, and the open texts that it reads, its own included.
 fn looked_at(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> (Sink, BTreeSet<PathBuf>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let mut read = BTreeSet::from([path.to_owned()]);
@@ -107,20 +107,20 @@ fn looked_at(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -
     (sink, read)
 }
 
-/// The errors of the program of a path, in order.
+/// Titles of the errors of a program, in order.
 pub fn errors(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> Vec<String> {
     let (sink, _) = looked_at(path, texts, disk);
     let errors = sink.sorted().into_iter().filter(|diagnostic| diagnostic.code.severity() == Severity::Error);
     errors.map(|diagnostic| diagnostic.title.clone()).collect()
 }
 
-/// The files that the program of a path reads from open texts, itself among them.
+/// The open texts that a program reads, its own included.
 pub fn read_from(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> BTreeSet<PathBuf> {
     looked_at(path, texts, disk).1
 }
 
-/// What the editor may do about findings, which it gives back as they were sent.
-// The library's own type of the edits hashes addresses of documents by their text alone.
+/// Quick fixes for findings, which the editor sends back unchanged.
+// `Uri` is the protocol library's type; its hash depends on its text only, so it may be a key.
 #[allow(clippy::mutable_key_type)]
 pub fn quick_fixes(uri: &Uri, found: Vec<lsp_types::Diagnostic>) -> Vec<CodeAction> {
     let fix = |diagnostic: lsp_types::Diagnostic| {
@@ -138,14 +138,14 @@ pub fn quick_fixes(uri: &Uri, found: Vec<lsp_types::Diagnostic>) -> Vec<CodeActi
     found.into_iter().filter_map(fix).collect()
 }
 
-/// Edits with their name, sent along with a finding.
+/// A fix with its title; sent along with a finding.
 #[derive(Serialize, Deserialize)]
 struct QuickFix {
     title: String,
     edits: Vec<TextEdit>,
 }
 
-/// A program with its own text in the editor.
+/// An open program in the terms of the editor.
 struct ShownProgram<'a> {
     uri: &'a Uri,
     own: &'a EditedText,
@@ -155,7 +155,7 @@ struct ShownProgram<'a> {
 }
 
 impl ShownProgram<'_> {
-    /// The program's own text among the sources.
+    /// The file of the program's own text among the sources.
     fn own_file(&self) -> Option<FileId> {
         self.sources.files().find(|(_, file)| file.origin == Origin::User).map(|(id, _)| id)
     }
@@ -195,7 +195,8 @@ impl ShownProgram<'_> {
         }
     }
 
-    /// The edits that mend a finding, if they are known, as they come back with a request for actions.
+    /// The edits that fix a finding, if they are known, in the form in which they come back with a request for code
+    /// actions.
     fn mend(&self, diagnostic: &Diagnostic) -> Option<serde_json::Value> {
         let own = self.own_file()?;
         if diagnostic.mend.is_empty() || diagnostic.mend.iter().any(|edit| edit.span.file != own) {
@@ -208,7 +209,7 @@ impl ShownProgram<'_> {
         Some(serde_json::json!(QuickFix { title: self.title(diagnostic), edits: edits.collect() }))
     }
 
-    /// What an editor lists a quick fix as: what would be written, as the help says it.
+    /// Title of a quick fix: the text that it writes, taken from the help where possible.
     fn title(&self, diagnostic: &Diagnostic) -> String {
         let help = diagnostic.help.as_deref().unwrap_or_default();
         let quoted = |start: &str| help.strip_prefix(start)?.split('`').next();

@@ -1,6 +1,6 @@
-//! What each word of a text is, for its colours, and which lines can be folded.
+//! Semantic tokens and folding ranges.
 //!
-//! Colours come from the words alone and not from the tree, so that they stay while a line is being typed.
+//! Roles come from the words alone and not from the tree, so that colours stay while a line is being typed.
 
 use super::outline;
 use super::text::{ColumnUnit, EditedText};
@@ -13,7 +13,7 @@ use lsp_types::{FoldingRange, FoldingRangeKind, SemanticToken, SemanticTokenType
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// The sorts of words in the order of [`WordRole`].
+/// Token types, in the order of [`WordRole`].
 pub const LEGEND: [SemanticTokenType; 9] = [
     SemanticTokenType::COMMENT,
     SemanticTokenType::STRING,
@@ -26,7 +26,7 @@ pub const LEGEND: [SemanticTokenType; 9] = [
     SemanticTokenType::VARIABLE,
 ];
 
-/// What a piece of the text is; the units of a number belong to it.
+/// Role of a piece of text; the unit of a number belongs to the number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum WordRole {
     Comment,
@@ -40,7 +40,7 @@ enum WordRole {
     Variable,
 }
 
-/// A piece of one line: a sign where it has no role yet and is no word.
+/// A piece of one line; a sign is a piece that has no role and is not a word.
 #[derive(Debug, Clone)]
 struct Piece {
     bytes: Range<usize>,
@@ -56,7 +56,7 @@ enum PieceForm {
     Sign(char),
 }
 
-/// The coloured pieces, each relative to the one before it, as the protocol wants them.
+/// The coloured pieces, each relative to the one before it, as the protocol requires.
 pub fn tokens(text: &EditedText, unit: ColumnUnit) -> Vec<SemanticToken> {
     let heads = heads();
     let width = |text: &str| match unit {
@@ -65,7 +65,7 @@ pub fn tokens(text: &EditedText, unit: ColumnUnit) -> Vec<SemanticToken> {
     };
     let mut tokens = Vec::new();
     let mut depth = 0;
-    // Since the last token: lines, and columns of its line.
+    // Lines since the last token.
     let mut delta_line = 0;
     for source in text.as_str().split_inclusive('\n') {
         let (mut delta_start, mut at) = (0, 0);
@@ -91,12 +91,13 @@ fn heads() -> BTreeSet<&'static str> {
     COMMON_STEPS.iter().map(|(word, _)| *word).chain(["start", "run", frames::NOUN]).chain(of_kinds).collect()
 }
 
-/// The pieces of a line that have a role. `depth` counts the round and square brackets that are open before it, and then after it.
+/// The pieces of a line that have a role. `depth` is the number of open round and square brackets; it is updated over
+/// the line.
 fn roles(line: &str, heads: &BTreeSet<&str>, depth: &mut usize) -> Vec<(Range<usize>, WordRole)> {
     let pieces = pieces(line);
     let word = |piece: &Piece| &line[piece.bytes.clone()];
     let mut found: Vec<(Range<usize>, WordRole)> = Vec::new();
-    // The declaration or the noun that the line begins with, and whether its colon has come.
+    // The declaration word or noun that the entry begins with, and whether its colon has been passed.
     let (mut declares, mut is_based) = (None, false);
     for (at, piece) in pieces.iter().enumerate() {
         let before = at.checked_sub(1).map(|before| &pieces[before]);
@@ -136,7 +137,7 @@ fn roles(line: &str, heads: &BTreeSet<&str>, depth: &mut usize) -> Vec<(Range<us
     found
 }
 
-/// The role of a word that is none of the language, by its neighbours.
+/// Role of a word that the language does not have, by its neighbours.
 fn named(before: Option<&str>, after: Option<PieceForm>, heads: &BTreeSet<&str>, own: &str) -> WordRole {
     match (before, after) {
         (Some("task" | "program" | "run"), _) => WordRole::Function,
@@ -151,7 +152,7 @@ fn named(before: Option<&str>, after: Option<PieceForm>, heads: &BTreeSet<&str>,
     }
 }
 
-/// Whether a word is the unit of a number before it, or goes on with one: `35 um`, `3 N*m`, `2 s^-1`.
+/// Whether a word is the unit of a number before it, or continues one: `35 um`, `3 N*m`, `2 s^-1`.
 fn is_unit(line: &str, pieces: &[Piece], at: usize, found: &[(Range<usize>, WordRole)]) -> bool {
     let gap = |one: &Piece, other: &Piece| &line[one.bytes.end..other.bytes.start];
     let Some(before) = at.checked_sub(1).map(|before| &pieces[before]) else { return false };
@@ -167,7 +168,7 @@ fn is_unit(line: &str, pieces: &[Piece], at: usize, found: &[(Range<usize>, Word
     }
 }
 
-/// The pieces of a line without its blanks.
+/// The pieces of a line, without spaces.
 fn pieces(line: &str) -> Vec<Piece> {
     let mut pieces = Vec::new();
     let mut at = 0;
@@ -190,12 +191,12 @@ fn pieces(line: &str) -> Vec<Piece> {
     pieces
 }
 
-/// The length of a string, to the end of the line where it is not closed.
+/// Length of a string; an unclosed string extends to the end of the line.
 fn string(rest: &str) -> usize {
     rest[1..].find('"').map_or(rest.trim_end().len(), |end| end + 2)
 }
 
-/// The length of a number: a word of bits, or digits, a fraction and an exponent.
+/// Length of a number: a word of bits, or digits, a fraction and an exponent.
 fn number(rest: &str) -> usize {
     let digits = |text: &str| text.find(|c: char| !c.is_ascii_digit() && c != '_').unwrap_or(text.len());
     if let Some(bits) = rest.strip_prefix("0b") {
@@ -212,13 +213,13 @@ fn number(rest: &str) -> usize {
     end
 }
 
-/// The blocks of more than one line, and the comments before declarations.
+/// Folds for blocks of more than one line and for comments before declarations.
 pub fn folds(text: &EditedText) -> Vec<FoldingRange> {
     let tree = outline::tree(text.as_str());
     let mut folds: Vec<FoldingRange> = blocks(&tree)
         .into_iter()
         .filter_map(|bytes| {
-            // The line with the closing bracket stays to be seen.
+            // The line with the closing bracket stays visible.
             let [from, to] = [bytes.start, bytes.end].map(|at| text.position(at, ColumnUnit::Byte).line);
             (to > from + 1).then(|| fold(from, to - 1, None))
         })
@@ -243,7 +244,7 @@ fn fold(start_line: u32, end_line: u32, kind: Option<FoldingRangeKind>) -> Foldi
     FoldingRange { start_line, end_line, kind, ..FoldingRange::default() }
 }
 
-/// Where the declarations stand, and the blocks in them.
+/// The ranges of the declarations and of the blocks in them.
 fn blocks(tree: &Tree) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     for item in &tree.items {

@@ -1,7 +1,9 @@
-//! Figures behind the text: what the checker knows of devices and places, and what the planner found of tasks and their steps.
+//! Inlay hints: figures from the checker about devices and places, and figures from the planner about tasks and their
+//! steps.
 //!
-//! The checker's figures are there as soon as a program is without an error: the pitch of a device, the cell that is taken for a place.
-//! Those of a plan wait for it (`planning`): what a task costs, what each of its steps takes, and the angle that a turn reaches.
+//! The checker's figures are available as soon as a program has no error: the pitch of a device, the cell that is taken
+//! for a place. The figures of a plan wait for it (`planning`): the cost of a task, the cost of each of its steps, and
+//! the angle that a turn reaches.
 
 use super::outline;
 use super::planning::ProgramPlans;
@@ -12,17 +14,17 @@ use crate::syntax::tree::{Entry, Item, Tree};
 use lsp_types::{InlayHint, InlayHintLabel, InlayHintTooltip, MarkupContent, Position, Range};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What the checker knows of a program without an error; empty for one with errors.
+/// The checker's figures for a program without errors; empty for a program with errors.
 #[derive(Debug, Default)]
 pub struct CheckedFigures {
-    /// By the name of the device.
+    /// Pitch by device name.
     pitches: BTreeMap<String, String>,
-    /// What was taken for the places that end at these bytes of the program's own text.
+    /// Texts of what was taken for a place, by the byte at which the place ends in the program's own text.
     places: BTreeMap<usize, BTreeSet<String>>,
 }
 
 impl CheckedFigures {
-    /// The figures of a program whose own text is a file.
+    /// Collects the figures of a program; `own` is the file of its own text.
     pub fn of(checked: &Checked, own: FileId) -> CheckedFigures {
         let pitch = |(name, facts): &(String, KindFacts)| Some((name.clone(), facts.pitch()?));
         let mut places: BTreeMap<usize, BTreeSet<String>> = BTreeMap::new();
@@ -35,10 +37,10 @@ impl CheckedFigures {
     }
 }
 
-/// Most that one place says in a line; all of it is in the tooltip.
+/// Greatest number of texts that the hint of one place shows; the tooltip shows all.
 const MAX_SHOWN: usize = 3;
 
-/// All that there is to say within a range of a text, in its order.
+/// All hints within a range of a text, in text order.
 pub fn shown(
     text: &EditedText,
     figures: &CheckedFigures,
@@ -70,12 +72,12 @@ pub fn shown(
     for step in plans.steps() {
         let start = text.offset_of_character(step.line - 1, step.column - 1);
         if let Some(end) = ends.get(&start) {
-            // Places are told already.
+            // The step's line omits what it reaches if a place inside it already has a hint.
             let line = step.line_text(figures.places.range(start..=*end).next().is_none());
             found.push(((*end).min(end_of_line(text.as_str(), start)), line, Some(step.tooltip())));
         }
     }
-    // In the order of the text, and of two at one place that of the checker first.
+    // In text order; at one position the checker's hint comes first.
     found.sort_by_key(|(at, ..)| *at);
     let hint = |(at, label, tooltip): (usize, String, Option<MarkupContent>)| {
         let position: Position = text.position(at, unit);
@@ -93,13 +95,13 @@ pub fn shown(
     found.into_iter().filter_map(hint).collect()
 }
 
-/// Where the line of a byte ends, without blanks.
+/// End of the line of a byte, without trailing spaces.
 fn end_of_line(text: &str, at: usize) -> usize {
     let line = text[at..].lines().next().unwrap_or_default();
     at + line.trim_end().len()
 }
 
-/// The steps of all tasks and programs: the bytes at which they begin and end.
+/// The steps of all tasks and programs, as the bytes at which they begin and end.
 fn step_ends(tree: &Tree) -> BTreeMap<usize, usize> {
     let mut ends = BTreeMap::new();
     let mut open: Vec<&[Entry]> = tree.items.iter().filter_map(Item::runnable).map(|item| item.entries).collect();

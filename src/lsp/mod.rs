@@ -1,10 +1,10 @@
-//! A language server on standard input and output: what editors ask while a program is written.
+//! Language server on standard input and output.
 //!
-//! Input: messages of the Language Server Protocol 3.17. Output: the checker's findings after each change, the canonical form, the
-//! declarations of a file, its colours and folds, the words that may stand at a place and what they mean. Method: each open text is kept as it is in the editor
-//! (`text`); after all messages at hand are read, every open program is checked as a whole, with open texts in place of the files
-//! on the disk. Promise: no message ends the server but `exit`; an unknown document, a place outside of a text or a request that it does
-//! not know gets an empty answer or an error. Nothing is planned here.
+//! Input: messages of the Language Server Protocol 3.17. Output: the checker's findings after each change, the
+//! canonical form, document symbols, semantic tokens and folds, completions and hover texts. Method: each open text is
+//! kept as it is in the editor (`text`); after all pending messages are read, every open program is checked as a whole,
+//! with open texts in place of the files on the disk. Guarantee: no message but `exit` ends the server; an unknown
+//! document, a position outside a text or an unknown request gets an empty answer or an error. Nothing is planned here.
 
 mod completion;
 mod cursor;
@@ -51,19 +51,22 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use text::{ColumnUnit, EditedText};
 
-/// Files on the disk round a program; a caller that reads files gives them.
+/// Gives access to the files around a program; supplied by a caller that may read files.
 pub type FilesRound<'a> = &'a dyn Fn(&Path, &mut dyn FnMut(&dyn Library));
 
 /// How a session ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SessionEnd {
-    /// The client asked for the end, and then ended it.
+    /// The client asked for the shutdown before it ended the session.
     Agreed,
-    /// The client ended it without asking, or was gone.
+    /// The client ended the session without a shutdown, or disconnected.
     Abrupt,
 }
 
-/// Serves one client until it ends. What `planner` finds comes by the connection, as what the client says does.
+/// Serves one client until it ends. The planner's results arrive through the connection, like the client's messages.
+///
+/// # Errors
+/// The first messages do not follow the protocol.
 ///
 /// # Errors
 /// The first messages are not those of the protocol.
@@ -97,7 +100,7 @@ pub fn serve(
     Ok(session.run())
 }
 
-/// Bytes where the client can count them, which is cheapest; else UTF-16 code units, as the protocol wants it.
+/// Bytes if the client can count them, which is cheapest; otherwise UTF-16 code units, the protocol's default.
 fn column_unit(asked: &InitializeParams) -> ColumnUnit {
     let general = asked.capabilities.general.as_ref();
     let known = general.and_then(|general| general.position_encodings.as_ref());
@@ -107,7 +110,7 @@ fn column_unit(asked: &InitializeParams) -> ColumnUnit {
     }
 }
 
-/// Whether the client asks for hints again if it is told to.
+/// Whether the client can be asked to request hints again.
 fn refreshes_hints(asked: &InitializeParams) -> bool {
     let hints = asked.capabilities.workspace.as_ref().and_then(|workspace| workspace.inlay_hint.as_ref());
     hints.is_some_and(|hints| hints.refresh_support == Some(true))
@@ -160,13 +163,13 @@ struct OpenDocument {
     uri: Uri,
     text: EditedText,
     version: i32,
-    /// Whether it is on the disk as it is here.
+    /// Whether the file on the disk is the same as this text.
     is_saved: bool,
-    /// Of the last search for plans of this text, if the files on the disk were those that are open.
+    /// Ticket of the last search for plans of this text; `None` if the files on the disk differ from the open ones.
     ticket: Option<u64>,
-    /// What that found, once it has ended.
+    /// Result of that search, once it has ended.
     plans: ProgramPlans,
-    /// What the checker knows of the text for which findings were sent last.
+    /// The checker's figures for the text of the last published findings.
     figures: CheckedFigures,
 }
 
@@ -175,15 +178,15 @@ struct Session<'a> {
     round: FilesRound<'a>,
     planner: &'a mut dyn ProgramPlanner,
     unit: ColumnUnit,
-    /// Whether the client can be told that hints have changed.
+    /// Whether the client can be asked to request hints again.
     refreshes_hints: bool,
     /// By path.
     open: BTreeMap<PathBuf, OpenDocument>,
-    /// Number of searches for plans and of messages to the client that it answers.
+    /// Number of tickets given so far: to searches for plans, and to requests that the client answers.
     tickets: u64,
-    /// Whether a text has changed since the findings were sent.
+    /// Whether a text has changed since findings were last published.
     is_changed: bool,
-    /// Whether the client has asked for the end, and is to say `exit` next.
+    /// Whether the client has asked for the shutdown; only `exit` may follow.
     is_shut: bool,
 }
 
@@ -194,7 +197,7 @@ impl Session<'_> {
             if let Some(end) = self.take(message) {
                 return end;
             }
-            // Whoever types fast is answered for the last text alone.
+            // Pending messages are read first, so that fast typing is checked only once, for the last text.
             while let Ok(message) = self.connection.receiver.try_recv() {
                 if let Some(end) = self.take(message) {
                     return end;
@@ -204,7 +207,7 @@ impl Session<'_> {
         }
     }
 
-    /// Sends the findings of the texts as they are, if one has changed since they were sent.
+    /// Publishes findings of the current texts, if a text has changed since the last time.
     fn settle(&mut self) {
         if self.is_changed {
             self.publish_all();
@@ -236,7 +239,7 @@ impl Session<'_> {
     fn answer(&mut self, request: Request) {
         let Request { id, method, params } = request;
         if method == InlayHintRequest::METHOD {
-            // They stand in the text that was checked.
+            // Hints refer to the checked text, so pending changes are checked first.
             self.settle();
         }
         let answer = match method.as_str() {
@@ -310,7 +313,7 @@ impl Session<'_> {
                 let path = text::path(&saved.text_document.uri);
                 let Some(document) = path.and_then(|path| self.open.get_mut(&path)) else { return };
                 document.is_saved = true;
-                // Others may use this file.
+                // Other programs may use this file.
                 self.open.values_mut().for_each(|document| document.ticket = None);
                 let read = self.open_files_read();
                 self.follow_disk(&read);
@@ -333,7 +336,7 @@ impl Session<'_> {
         }
     }
 
-    /// Checks every open program: a change of one may concern those that use it.
+    /// Checks every open program: a change in one may affect those that use it.
     fn publish_all(&mut self) {
         let texts = self.texts();
         let mut all_found = Vec::with_capacity(texts.len());
@@ -370,7 +373,7 @@ impl Session<'_> {
     }
 
     fn send(&self, message: Message) {
-        // A client that is gone is noticed by the next message that does not come.
+        // If the client is gone, the next receive fails.
         let _ = self.connection.sender.send(message);
     }
 
@@ -378,7 +381,7 @@ impl Session<'_> {
         self.open.get(&text::path(uri)?)
     }
 
-    /// The canonical form, as one edit of the whole; none where the text has it already.
+    /// The canonical form, as one edit of the whole text; no edit if the text already has it.
     fn formatted<R>(&self, asked: &R::Params) -> Option<Vec<TextEdit>>
     where
         R: Asked<Params = lsp_types::DocumentFormattingParams>,
@@ -421,7 +424,7 @@ impl Session<'_> {
         Some(hints::shown(&document.text, &document.figures, &document.plans, asked.range, self.unit))
     }
 
-    /// Commands of a client over the heads of tasks and programs; none where the text is in no file.
+    /// Code lenses over the heads of tasks and programs; none if the text is not a file.
     fn lenses(&self, asked: &lsp_types::CodeLensParams) -> Option<Vec<lsp_types::CodeLens>> {
         let uri = &asked.text_document.uri;
         let is_file = text::path(uri)?.is_absolute();
@@ -440,10 +443,11 @@ impl Session<'_> {
     }
 }
 
-/// Plans of saved programs.
+/// Planning of saved programs.
 impl Session<'_> {
-    /// Begins to plan each program that is on the disk, with all open files that it uses, as it is here: there the planner reads them.
-    /// Takes the plans from those that are not. `read` has the open files that each program reads.
+    /// Starts planning for each program that is on the disk exactly as it is open here, together with all open files
+    /// that it uses, because the planner reads the disk. Discards the plans of the others. `read` lists the open files
+    /// that each program reads.
     fn follow_disk(&mut self, read: &BTreeMap<PathBuf, BTreeSet<PathBuf>>) {
         let mut has_lost_hints = false;
         for (path, read) in read.iter().filter(|(path, _)| path.is_absolute()) {
@@ -474,7 +478,7 @@ impl Session<'_> {
         }
     }
 
-    /// Tells the client that hints have changed without a change of their text.
+    /// Asks the client to request hints again, although their text has not changed.
     fn refresh_hints(&mut self) {
         if self.refreshes_hints {
             self.tickets += 1;
@@ -496,13 +500,13 @@ impl Session<'_> {
             .collect()
     }
 
-    /// Whether open texts are the same on the disk.
+    /// Whether these open texts are the same on the disk.
     fn are_on_disk(&self, paths: &BTreeSet<PathBuf>) -> bool {
         let texts = self.texts();
         paths.iter().all(|path| {
             let name = text::file_name(path);
             let mut is_same = false;
-            // Editors keep a mark of the order of bytes to themselves.
+            // Editors do not include a byte order mark in the text.
             let plain = |text: &str| text.trim_start_matches('\u{feff}').to_owned();
             (self.round)(path, &mut |disk| {
                 let found = disk.read("", &name).map(|(_, text)| plain(&text));
@@ -512,20 +516,20 @@ impl Session<'_> {
         })
     }
 
-    /// Takes what came of planning, unless the text has changed since.
+    /// Takes the result of planning, unless the text has changed since.
     fn planned(&mut self, result: &PlanningResult) {
         let Some(document) = self.open.get_mut(&result.path) else { return };
         if !document.is_saved || document.ticket != Some(result.ticket) {
             return;
         }
         document.plans = ProgramPlans::of(result);
-        // With the checker's findings alone there is nothing new to show.
+        // If the planner found only what the checker found, there is nothing new to publish.
         self.is_changed |= document.plans.has_findings();
         self.refresh_hints();
     }
 }
 
-/// Questions about names.
+/// Requests about names.
 impl Session<'_> {
     /// The names of all open programs.
     fn names(&self) -> ProgramNames {
@@ -538,7 +542,7 @@ impl Session<'_> {
         names
     }
 
-    /// The path and the byte of a place in an open document.
+    /// The path and the byte offset of a position in an open document.
     fn place(&self, place: &lsp_types::TextDocumentPositionParams) -> Option<(PathBuf, usize)> {
         let path = text::path(&place.text_document.uri)?;
         let offset = self.open.get(&path)?.text.offset(place.position, self.unit);
@@ -555,7 +559,7 @@ impl Session<'_> {
         Some(self.names().references(&path, offset, self.unit, asked.context.include_declaration))
     }
 
-    /// The places of a name in its own file.
+    /// The occurrences of a name in its own file.
     fn highlights(&self, asked: &lsp_types::DocumentHighlightParams) -> Option<Vec<DocumentHighlight>> {
         let place = &asked.text_document_position_params;
         let (path, offset) = self.place(place)?;

@@ -1,7 +1,7 @@
-//! Names of open programs: where they are declared, where they are used, and what they may be called instead.
+//! Go to definition, find references and rename, over all open programs.
 //!
-//! Every open program is checked once more for each question, with open texts in place of files, so that uses in programs that use the same
-//! file are found as well. Names of the standard library have no place that an editor can open.
+//! Each request checks every open program once more, with open texts in place of files, so that uses in other programs
+//! that use the same file are found as well. Names of the standard library have no place that an editor can open.
 
 use super::findings::Overlay;
 use super::outline;
@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A stretch of bytes of a file.
+/// A range of bytes in a file.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct FilePlace {
     path: PathBuf,
@@ -27,30 +27,30 @@ struct FilePlace {
     end: usize,
 }
 
-/// What the names of some programs stand for.
+/// Names of some programs, with their uses and declarations.
 pub struct ProgramNames {
-    /// What the editor calls the open texts.
+    /// URIs of the open texts.
     uris: BTreeMap<PathBuf, Uri>,
-    /// Uses with their declarations, each without its indices; `None` for one of the standard library.
+    /// Uses with their declarations, without indices; the declaration is `None` for a name of the standard library.
     links: BTreeSet<(FilePlace, Option<FilePlace>)>,
-    /// What is declared, used or not.
+    /// All declarations, used or not.
     declared: BTreeSet<FilePlace>,
     texts: BTreeMap<PathBuf, String>,
 }
 
-/// Whether a word may name something new.
+/// Whether a word may be declared as a new name.
 fn is_free_name(name: &str) -> bool {
     let text = format!("let {name} = 1\n");
     let mut sink = Sink::default();
     let tree = syntax::parse(Sources::default().add("", text.as_str()), &text, &mut sink);
     let is_name = matches!(tree.items.as_slice(), [Item::Let(item)] if item.name.text == name);
-    // Kinds, shapes and functions keep their names.
+    // The names of kinds, shapes and functions are taken.
     let request = ProgramSource { name: "", text: &text, library: &NoFiles, options: &Options::default() };
     check_program(&request, &mut Sources::default(), &mut sink);
     is_name && sink.errors() == 0
 }
 
-/// The names that a text declares at its top and in its scenes.
+/// The names that a text declares at top level and in its scenes.
 fn declared_in(text: &str) -> Vec<Span> {
     fn objects(entries: &[SceneEntry], found: &mut Vec<Span>) {
         for entry in entries {
@@ -79,12 +79,12 @@ fn declared_in(text: &str) -> Vec<Span> {
 }
 
 impl ProgramNames {
-    /// No names yet; `uris` are what the editor calls the open texts.
+    /// Without names yet; `uris` are those of the open texts.
     pub fn new(uris: BTreeMap<PathBuf, Uri>) -> ProgramNames {
         ProgramNames { uris, links: BTreeSet::new(), declared: BTreeSet::new(), texts: BTreeMap::new() }
     }
 
-    /// Adds the names of the program of a path, which is one of the open texts.
+    /// Adds the names of the program of a path, which must be one of the open texts.
     pub fn add(&mut self, path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) {
         let Some(text) = texts.get(path) else { return };
         let name = text::file_name(path);
@@ -95,7 +95,7 @@ impl ProgramNames {
             let place = |span: Span| {
                 let file = sources.file(span.file);
                 let Range { start, end } = span.range();
-                // `s[i]` and `s[0]` are one name.
+                // `s[i]` and `s[0]` are the same name.
                 let word = file.text.get(start..end).map_or(0, |text| text.find('[').unwrap_or(text.len()));
                 let end = start + word;
                 (file.origin == Origin::User).then(|| FilePlace { path: library.path(&file.name), start, end })
@@ -116,14 +116,14 @@ impl ProgramNames {
         self.texts.get(&place.path).and_then(|text| text.get(place.start..place.end))
     }
 
-    /// Whether a use goes by the name of a parameter, for which this declaration was given.
+    /// Whether a use is the name of a parameter, to which this declaration was passed as an argument.
     fn is_by_parameter(&self, used: &FilePlace, declared: &FilePlace) -> bool {
         let has_name = |declared: &FilePlace| self.text_at(declared) == self.text_at(used);
         let others = || self.links.iter().filter(|(other, _)| other == used).filter_map(|(_, other)| other.as_ref());
         !has_name(declared) && others().any(has_name)
     }
 
-    /// The declaration of the name at a place of a file, be it in use there or declared.
+    /// The declaration of the name at a position, which may be a use or the declaration itself.
     fn declaration(&self, path: &Path, offset: usize) -> Option<&FilePlace> {
         let is_here = |place: &FilePlace| place.path == path && (place.start..=place.end).contains(&offset);
         let linked = self.links.iter().find_map(|(used, declared)| {
@@ -148,12 +148,12 @@ impl ProgramNames {
         Some(Location { uri, range: shown.range(place.start..place.end, unit) })
     }
 
-    /// Where the name at a place is declared.
+    /// Where the name at a position is declared.
     pub fn definition(&self, path: &Path, offset: usize, unit: ColumnUnit) -> Option<Location> {
         self.location(self.declaration(path, offset)?, unit)
     }
 
-    /// All places of the name at a place, in order; without its declaration if that is not wanted.
+    /// All occurrences of the name at a position, in order; optionally without its declaration.
     pub fn references(&self, path: &Path, offset: usize, unit: ColumnUnit, with_declaration: bool) -> Vec<Location> {
         let Some(declaration) = self.declaration(path, offset) else { return Vec::new() };
         let places = self.all_of(declaration).into_iter();
@@ -161,7 +161,7 @@ impl ProgramNames {
         wanted.filter_map(|place| self.location(place, unit)).collect()
     }
 
-    /// The places at which the name at a place stands, in all files, if it can be called otherwise there.
+    /// All occurrences of the name at a position, in all files, if it can be renamed to `name`.
     fn renamable(&self, path: &Path, offset: usize, name: &str) -> Result<BTreeSet<&FilePlace>, String> {
         if !is_free_name(name) {
             return Err(format!(
@@ -184,11 +184,11 @@ impl ProgramNames {
         Ok(places)
     }
 
-    /// The edits that give the name at a place another one, in all files, and the texts of these files with it.
+    /// The edits that rename the name at a position in all files, and the texts of these files afterwards.
     ///
     /// # Errors
-    /// Why it cannot have that name, or any other.
-    // The library's own type of the edits hashes addresses of documents by their text alone.
+    /// The reason why it cannot have that name, or cannot be renamed at all.
+    // `Uri` is the protocol library's type; its hash depends on its text only, so it may be a key.
     #[allow(clippy::mutable_key_type)]
     pub fn renamed(
         &self,
@@ -200,7 +200,7 @@ impl ProgramNames {
         let places = self.renamable(path, offset, name)?;
         let mut changes: std::collections::HashMap<Uri, Vec<TextEdit>> = Default::default();
         let mut texts: BTreeMap<PathBuf, String> = BTreeMap::new();
-        // From the end, so that the places before stay where they are.
+        // From the end, so that earlier offsets stay valid.
         for place in places.into_iter().rev() {
             let location = self.location(place, unit).ok_or("a file cannot be named to the editor")?;
             let whole = self.texts.get(&place.path).ok_or("a file is not to be found")?;

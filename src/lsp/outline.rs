@@ -1,4 +1,4 @@
-//! The declarations of a text, what a client can do with them, and its canonical form.
+//! Document symbols and code lenses of a text, and its canonical form.
 
 use super::text::{ColumnUnit, EditedText};
 use crate::check::scope::path_text;
@@ -9,7 +9,7 @@ use crate::{format, syntax};
 use lsp_types::{CodeLens, Command, DocumentSymbol, SymbolKind, Uri};
 use serde_json::json;
 
-/// The tree of a text by itself.
+/// The tree of a text on its own, without the files that it uses.
 pub fn tree(text: &str) -> Tree {
     let file = Sources::default().add("", text);
     syntax::parse(file, text, &mut Sink::default())
@@ -21,11 +21,11 @@ pub fn canonical(text: &str) -> String {
     format::format(file, text, &mut Sink::default())
 }
 
-/// The declarations in their order.
+/// The declarations of a text, in order.
 pub fn symbols(text: &EditedText, unit: ColumnUnit) -> Vec<DocumentSymbol> {
     let symbol = |name: &str, detail: &str, kind: SymbolKind, [whole, word]: [Span; 2]| {
         let [range, selection_range] = [whole, word].map(|span| text.range(span.range(), unit));
-        // The field for outdated symbols is outdated itself, and has to be given.
+        // The protocol deprecates this field, but the struct still requires it.
         #[allow(deprecated)]
         DocumentSymbol {
             name: name.to_owned(),
@@ -55,15 +55,15 @@ pub fn symbols(text: &EditedText, unit: ColumnUnit) -> Vec<DocumentSymbol> {
         }
         Item::Use(_) | Item::Error(_) => None,
     };
-    // A name is not empty in the protocol; that of a declaration with an error may be.
+    // The protocol forbids empty names; a declaration with an error may have one.
     tree(text.as_str()).items.iter().filter_map(of).filter(|symbol| !symbol.name.is_empty()).collect()
 }
 
-/// The commands that a client carries out, with the title of each: `tweeze build FILE --task NAME`, and the same with `view`.
+/// Titles and client commands of the lenses: `tweeze build FILE --task NAME`, and the same with `view`.
 const LENSES: [(&str, &str); 2] = [("Build", "tweeze.build"), ("View", "tweeze.view")];
 
-/// What can be done with each task and program: its commands, with the document and the name as arguments. One with parameters is built
-/// by those that run it.
+/// The lenses of each task and program, with the document and the name as arguments. Those with parameters get none,
+/// because they are built by the programs that run them.
 pub fn lenses(text: &EditedText, uri: &Uri, unit: ColumnUnit) -> Vec<CodeLens> {
     let tree = tree(text.as_str());
     let alone = tree.items.iter().filter_map(Item::runnable).filter(|head| head.parameters.is_empty());

@@ -1,7 +1,7 @@
-//! What the planner finds of saved programs, as editors show it.
+//! The planner's results for saved programs, in the form that editors show.
 //!
-//! Planning may take long: it goes on elsewhere, by a [`ProgramPlanner`], and what comes of it arrives as a message. Tickets tell apart
-//! what belongs to the text as it is from what belongs to one that was changed since.
+//! Planning may take long, so a [`ProgramPlanner`] runs it elsewhere and sends the result as a message. Tickets
+//! distinguish results for the current text from results for an earlier one.
 
 use super::text::{ColumnUnit, EditedText};
 use crate::quantity::Quantity;
@@ -13,40 +13,40 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The notification by which a [`ProgramPlanner`] says what it found, with a [`PlanningResult`].
+/// Method of the notification by which a [`ProgramPlanner`] sends a [`PlanningResult`].
 pub const PLANNED: &str = "$/tweeze/planned";
 
-/// Plans saved programs beside the session; a caller that may start processes gives it.
+/// Plans saved programs alongside the session; supplied by a caller that may start processes.
 pub trait ProgramPlanner {
-    /// Begins to plan the program of a path as it is on the disk. What comes of it is sent to the session as [`PLANNED`].
+    /// Starts planning the program of a path as it is on the disk. The result is sent to the session as [`PLANNED`].
     fn start(&mut self, path: &Path, ticket: u64);
 
-    /// Gives up the program of a path.
+    /// Abandons the program of a path.
     fn stop(&mut self, path: &Path);
 }
 
-/// What came of planning a program: the output of `tweeze check --plan --format json`.
+/// Result of planning a program: the output of `tweeze check --plan --format json`.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct PlanningResult {
     pub path: PathBuf,
     pub ticket: u64,
-    /// Standard output: the report of success, if there is one.
+    /// Standard output: the report of success, or empty.
     pub report: String,
-    /// Standard error: a diagnostic in each line.
+    /// Standard error: one diagnostic per line.
     pub findings: String,
-    /// The limit after which it was given up, in seconds; `None` if it came to its end.
+    /// Time limit after which planning was abandoned, in seconds; `None` if it ended.
     pub limit_s: Option<u64>,
 }
 
-/// Plans of a program that is open.
+/// Planning results of an open program.
 #[derive(Debug, Default)]
 pub struct ProgramPlans {
-    /// By the name of the task or program.
+    /// Cost summary by the name of the task or program.
     summaries: BTreeMap<String, String>,
-    /// By their lines and columns in the program's own file.
+    /// By line and column in the program's own file.
     steps: BTreeMap<(usize, usize), PlannedStep>,
     findings: Vec<PlannerFinding>,
-    /// The limit after which the search was given up, in seconds.
+    /// Time limit after which planning was abandoned, in seconds.
     limit_s: Option<u64>,
 }
 
@@ -63,31 +63,31 @@ struct ReportedSchedule {
     steps: Vec<ReportedStep>,
 }
 
-/// One run of a step.
+/// One execution of a step.
 #[derive(Debug, Deserialize)]
 struct ReportedStep {
     file: String,
     line: usize,
     column: usize,
     duration_ns: u64,
-    /// What it takes in what the kind counts.
+    /// Cost in the kind's own unit, such as `4 switches`.
     takes: Option<String>,
     reached: Vec<ReportedValue>,
 }
 
-/// A value that a step reaches, where it is not the one asked for.
+/// A value that a step reaches and that differs from the one asked for.
 #[derive(Debug, Deserialize)]
 struct ReportedValue {
     value: String,
     text: String,
 }
 
-/// A step of a text with all its runs: several in a loop, or where its task is run several times.
+/// A step of a text with all its runs; there are several in a loop, or if its task is run several times.
 #[derive(Debug)]
 pub struct PlannedStep {
-    /// From 1.
+    /// Line, from 1.
     pub line: usize,
-    /// In characters, from 1.
+    /// Column in characters, from 1.
     pub column: usize,
     /// Never empty.
     runs: Vec<ReportedStep>,
@@ -100,7 +100,7 @@ struct ReportedPlan {
     summary: String,
 }
 
-/// A diagnostic of the compiler by its places as other programs read them.
+/// A diagnostic of the compiler as its JSON form has it.
 #[derive(Debug, Deserialize)]
 struct PlannerFinding {
     code: String,
@@ -122,7 +122,7 @@ struct LabelledPlace {
 }
 
 impl ProgramPlans {
-    /// Reads what came of planning.
+    /// Parses a planning result.
     pub fn of(result: &PlanningResult) -> ProgramPlans {
         let report: Option<PlanningReport> = serde_json::from_str(&result.report).ok();
         let schedules = report.map_or_else(Vec::new, |report| report.schedules);
@@ -148,12 +148,12 @@ impl ProgramPlans {
         !self.summaries.is_empty() || self.limit_s.is_some()
     }
 
-    /// Whether a finding was made.
+    /// Whether the planner found anything.
     pub fn has_findings(&self) -> bool {
         !self.findings.is_empty()
     }
 
-    /// What there is to say of the task or program of a name in a line, with all of it for a tooltip.
+    /// Hint for the task or program of a name, with a tooltip.
     pub fn head(&self, name: &str) -> Option<(String, Option<MarkupContent>)> {
         let given_up =
             || self.limit_s.map(|limit_s| format!("no plan within {limit_s} s; `tweeze build` has no limit"));
@@ -161,17 +161,17 @@ impl ProgramPlans {
         Some((first_line(&summary).to_owned(), self.summary(name)))
     }
 
-    /// What there is to say of each step, in the order of the text.
+    /// The planned steps, in text order.
     pub fn steps(&self) -> impl Iterator<Item = &PlannedStep> {
         self.steps.values()
     }
 
-    /// What there is to say of the task or program of a name.
+    /// Summary for the task or program of a name.
     pub fn summary(&self, name: &str) -> Option<MarkupContent> {
         self.summaries.get(name).map(|summary| markdown(summary))
     }
 
-    /// The planner's findings in a text, but for those that the checker has as well.
+    /// The planner's findings in a text, without those that the checker also has.
     pub fn diagnostics(
         &self,
         path: &Path,
@@ -218,13 +218,13 @@ impl ProgramPlans {
 }
 
 impl ReportedStep {
-    /// `60 ms, 4 switches`.
+    /// Duration and cost: `60 ms, 4 switches`.
     fn cost(&self) -> String {
         let takes = self.takes.iter().map(|takes| format!(", {takes}"));
         format!("{}{}", Quantity::time_ns(self.duration_ns), takes.collect::<String>())
     }
 
-    /// What it takes, and what it reaches in short.
+    /// Duration and cost, optionally with the values reached.
     fn line(&self, with_reached: bool) -> String {
         let reached =
             self.reached.iter().filter(|_| with_reached).map(|reached| format!(", reaches {}", reached.value));
@@ -232,11 +232,12 @@ impl ReportedStep {
     }
 }
 
-/// Most runs of a step that its tooltip lists.
+/// Greatest number of runs of a step that its tooltip lists.
 const MAX_RUNS: usize = 20;
 
 impl PlannedStep {
-    /// What the step takes, and reaches if that is asked; the shortest and the longest time where its runs differ.
+    /// Hint of the step: its cost, optionally with the values reached; the shortest and the longest time if its runs
+    /// differ in time.
     pub fn line_text(&self, with_reached: bool) -> String {
         let mut lines: Vec<String> = self.runs.iter().map(|run| run.line(with_reached)).collect();
         lines.dedup();
@@ -250,7 +251,7 @@ impl PlannedStep {
         }
     }
 
-    /// Each run that differs from the one before, with what it reaches.
+    /// Lists each run that differs from the one before, with the values that it reaches.
     pub fn tooltip(&self) -> MarkupContent {
         let mut lines: Vec<String> = Vec::new();
         for run in &self.runs {
@@ -268,7 +269,7 @@ impl PlannedStep {
 }
 
 impl ReportedSchedule {
-    /// Its duration with what its runs cost, a line for each.
+    /// Duration of the schedule and the cost of its runs, one line each.
     fn summary(&self) -> String {
         let duration = Quantity::time_ns(self.duration_ns);
         match self.plans.as_slice() {
@@ -282,7 +283,7 @@ impl ReportedSchedule {
 }
 
 impl ReportedPlan {
-    /// What the runs of its task in some schedules take and cost, a line for each that differs.
+    /// Duration and cost of each run of its task in some schedules, one line each; equal neighbours are listed once.
     fn summary(&self, schedules: &[ReportedSchedule]) -> String {
         let runs = schedules.iter().flat_map(|schedule| &schedule.plans).filter(|plan| plan.task == self.task);
         let mut lines: Vec<String> =
@@ -296,7 +297,7 @@ fn first_line(text: &str) -> &str {
     text.lines().next().unwrap_or_default()
 }
 
-/// Lines as they are.
+/// A preformatted block of lines.
 fn markdown(summary: &str) -> MarkupContent {
     MarkupContent { kind: MarkupKind::Markdown, value: format!("Planned and verified:\n```text\n{summary}\n```") }
 }

@@ -1,4 +1,4 @@
-//! What the brackets round the cursor take: the arguments of a function, a task or a program.
+//! Signature help: the arguments of the function, task or program call around the cursor.
 
 use super::outline;
 use crate::syntax::functions::FUNCTIONS;
@@ -6,20 +6,20 @@ use crate::syntax::is_word;
 use crate::syntax::tree::{Item, Parameter, Runnable};
 use lsp_types::{Documentation, ParameterInformation, ParameterLabel, SignatureHelp, SignatureInformation};
 
-/// Bytes before the cursor in which its bracket is looked for.
+/// Bytes before the cursor that are searched for the opening bracket.
 const SIGHT_BYTES: usize = 4096;
 
-/// The form of the call round a byte of a text, with the argument at work.
+/// Signature of the call around a byte of a text, with the current argument.
 pub fn help(text: &str, at: usize) -> Option<SignatureHelp> {
     let (name, argument) = call(&text[text.ceil_char_boundary(at.saturating_sub(SIGHT_BYTES))..at])?;
     let signature = of_function(name).or_else(|| of_task(text, name))?;
     let last = signature.parameters.as_ref().map_or(0, Vec::len).saturating_sub(1);
-    // Those of `min` go on as the last one.
+    // The last parameter of a function such as `min` repeats.
     let active_parameter = Some(if signature.label.ends_with("…)") { argument.min(last) } else { argument } as u32);
     Some(SignatureHelp { signatures: vec![signature], active_signature: Some(0), active_parameter })
 }
 
-/// The name before the innermost open round bracket of a text, and the number of commas behind that bracket.
+/// The name before the innermost open round bracket, and the number of commas after that bracket.
 fn call(before: &str) -> Option<(&str, usize)> {
     let (mut open, mut commas) = (0_usize, 0);
     for (at, character) in before.char_indices().rev() {
@@ -31,7 +31,7 @@ fn call(before: &str) -> Option<(&str, usize)> {
             }
             '(' | '[' => open = open.checked_sub(1)?,
             ',' if open == 0 => commas += 1,
-            // Brackets do not go over a block.
+            // A call does not extend over a block.
             '{' | '}' => return None,
             _ => {}
         }
@@ -69,7 +69,7 @@ fn signature(name: &str, parameters: impl Iterator<Item = String>, doc: &str) ->
 mod tests {
     use super::*;
 
-    /// The label and the argument at the mark `|`.
+    /// The label, and the index of the argument at the mark `|`.
     fn at(text: &str) -> Option<(String, u32)> {
         let (at, text) = (text.find('|').expect("a mark"), text.replace('|', ""));
         let help = help(&text, at)?;

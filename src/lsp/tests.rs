@@ -1,4 +1,4 @@
-//! The words that colour programs in editors, on pages and in books are those of the compiler.
+//! The words that highlighters in editors, web pages and books colour are those of the compiler.
 
 use crate::check::frames;
 use crate::check::scope::STEP_WORDS;
@@ -8,7 +8,7 @@ use crate::syntax::RESERVED;
 use crate::syntax::functions::function_names;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The list that the highlighters in `editors` are made from.
+/// The word list from which the highlighters in `editors` are generated.
 const EDITORS: &str = include_str!("../../editors/words.json");
 
 const PAGE: &str = include_str!("../../assets/page/program.js");
@@ -39,7 +39,7 @@ fn editors_know_the_words_of_the_language() {
     for (name, words) in words() {
         assert_eq!(lists[name], Vec::from_iter(words), "`{name}` of editors/words.json");
     }
-    // What the grammar alone has.
+    // Lists that only the grammar has.
     let of_grammar = ["declarations", "operators", "prepositions", "truths"];
     let known: BTreeSet<&str> = words().into_keys().chain(of_grammar).collect();
     assert_eq!(lists.keys().map(String::as_str).collect::<BTreeSet<_>>(), known);

@@ -1,10 +1,10 @@
-//! Texts as they are in the editor, and places in them: lines from 0, columns in the unit that the client counts.
+//! Texts as they are in the editor, and positions in them: lines from 0, columns in the unit that the client counts.
 
 use lsp_types::{Position, Range, Uri};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-/// What columns count.
+/// Unit of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColumnUnit {
     Byte,
@@ -16,13 +16,13 @@ pub enum ColumnUnit {
 #[derive(Debug, Clone)]
 pub struct EditedText {
     text: String,
-    /// Where each line begins.
+    /// Where each line begins, in bytes.
     lines: Vec<usize>,
 }
 
 impl EditedText {
     pub fn new(text: String) -> EditedText {
-        // A CR alone ends a line, too, for an editor.
+        // Editors also end a line at a CR alone.
         let ends =
             text.match_indices(['\n', '\r']).filter(|(at, end)| *end == "\n" || !text[at + 1..].starts_with('\n'));
         let lines = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
@@ -33,7 +33,7 @@ impl EditedText {
         &self.text
     }
 
-    /// Replaces a range; the whole text if there is none.
+    /// Replaces a range, or the whole text if there is no range.
     pub fn change(&mut self, range: Option<Range>, new: &str, unit: ColumnUnit) {
         let Some(range) = range else {
             *self = EditedText::new(new.to_owned());
@@ -45,8 +45,8 @@ impl EditedText {
         *self = EditedText::new(text);
     }
 
-    /// The byte of a place: the end of the line for a column beyond it, the end of the text for a line beyond the last; within a
-    /// character its beginning.
+    /// Byte offset of a position: the end of the line for a column beyond it, the end of the text for a line beyond the
+    /// last, and the beginning of the character for a column inside one.
     pub fn offset(&self, place: Position, unit: ColumnUnit) -> usize {
         let Some(&start) = self.lines.get(place.line as usize) else { return self.text.len() };
         let line = self.text[start..].split(['\n', '\r']).next().unwrap_or_default();
@@ -63,14 +63,15 @@ impl EditedText {
         start + line.len()
     }
 
-    /// The byte of a line and a column of characters, both from 0; as [`Self::offset`] for places beyond.
+    /// Byte offset of a line and a column in characters, both from 0; positions beyond the text are treated as in
+    /// [`Self::offset`].
     pub fn offset_of_character(&self, line: usize, column: usize) -> usize {
         let Some(&start) = self.lines.get(line) else { return self.text.len() };
         let line = self.text[start..].split(['\n', '\r']).next().unwrap_or_default();
         line.char_indices().nth(column).map_or(start + line.len(), |(at, _)| start + at)
     }
 
-    /// The place of a byte on the border of a character.
+    /// Position of a byte offset, which must be a character boundary.
     pub fn position(&self, offset: usize, unit: ColumnUnit) -> Position {
         let line = self.lines.partition_point(|start| *start <= offset).saturating_sub(1);
         let before = self.text.get(self.lines[line]..offset).unwrap_or_default();
@@ -91,7 +92,7 @@ pub fn file_name(path: &Path) -> Cow<'_, str> {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy()
 }
 
-/// The path of a document on the disk; a document that is not there has its name alone.
+/// Path of a document on the disk; an unsaved document has only a name.
 pub fn path(uri: &Uri) -> Option<PathBuf> {
     let path = uri.path().as_estr().decode().into_string().ok()?.into_owned();
     // `file:///C:/a.twz` names the path `C:/a.twz`.
@@ -99,7 +100,7 @@ pub fn path(uri: &Uri) -> Option<PathBuf> {
     Some(PathBuf::from(if is_drive { &path[1..] } else { path.as_str() }))
 }
 
-/// What an editor calls a file on the disk by its whole path.
+/// URI of a file on the disk with an absolute path.
 pub fn uri(path: &Path) -> Option<Uri> {
     let path = path.to_str()?.replace('\\', "/");
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/:".contains(&byte);
@@ -122,7 +123,7 @@ mod tests {
             let place = Position { line: 0, character: column };
             assert_eq!((text.position(bytes, unit), text.offset(place, unit)), (place, bytes));
         }
-        // Within the emoji, past the line, past the text.
+        // Inside the emoji, beyond the line, beyond the text.
         let at = |line, character| text.offset(Position { line, character }, ColumnUnit::Utf16);
         assert_eq!(at(0, 11), text.as_str().find('😀').expect("it is there"));
         assert_eq!(at(0, 999), text.as_str().find('\r').expect("it is there"));
@@ -147,7 +148,7 @@ mod tests {
         text.change(range((1, 7), (1, 9)), "ms", ColumnUnit::Utf16);
         text.change(range((0, 9), (0, 10)), "17", ColumnUnit::Utf16);
         assert_eq!(text.as_str(), "move to (17, 2)\nwait 1 ms\n");
-        // The wrong way round, and outside.
+        // A reversed range, and one outside the text.
         text.change(range((9, 9), (1, 4)), "", ColumnUnit::Utf16);
         assert_eq!(text.as_str(), "move to (17, 2)\nwait");
         text.change(None, "", ColumnUnit::Utf16);

@@ -1,7 +1,7 @@
-//! The words of the vocabulary, and what they mean under the cursor.
+//! Hover texts: the words of the vocabulary and their meanings.
 //!
-//! The words are those of the kinds whose published devices the text uses, or of all kinds if it uses none, and stand in the tables
-//! that the checker reads.
+//! The words are those of the kinds whose published devices the text uses, or of all kinds if it uses none; they come
+//! from the tables that the checker reads.
 
 use super::outline;
 use super::planning::ProgramPlans;
@@ -12,7 +12,7 @@ use crate::syntax::functions::{FUNCTIONS, function_form};
 use crate::syntax::tree::{Item, Tree, Use, UsePath};
 use lsp_types::{Hover, HoverContents, MarkupContent, MarkupKind};
 
-/// The words that begin a declaration, with its form.
+/// The words that begin a declaration, each with its form.
 pub(super) const DECLARATIONS: [(&str, &str); 9] = [
     ("use", "use std.dimibot, or use \"bench.twz\" as lab"),
     ("let", "let NAME = VALUE"),
@@ -25,7 +25,7 @@ pub(super) const DECLARATIONS: [(&str, &str); 9] = [
     ("wiring", "wiring DEVICE { CHANNEL -> OUTPUT }"),
 ];
 
-/// Settings and steps that tasks of all kinds have.
+/// Settings and steps that tasks of every kind have, each with its form.
 pub(super) const COMMON_STEPS: [(&str, &str); 11] = [
     ("minimize", "minimize WHAT: the figure that the plan minimises"),
     ("require", "require FIGURE <= LIMIT: a limit that the plan must keep"),
@@ -47,7 +47,7 @@ pub(super) struct KnownWord {
     meaning: String,
 }
 
-/// The meaning of the word at a byte of a text.
+/// Hover text for the word at a byte of a text.
 pub fn hover(text: &EditedText, at: usize, unit: ColumnUnit, plans: &ProgramPlans) -> Option<Hover> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     let source = text.as_str();
@@ -72,7 +72,7 @@ pub fn hover(text: &EditedText, at: usize, unit: ColumnUnit, plans: &ProgramPlan
     })
 }
 
-/// The kinds that a text uses by their published devices; all if there is none.
+/// The kinds whose published devices a text uses; all kinds if it uses none.
 pub(super) fn kinds(tree: &Tree) -> Vec<&'static Vocabulary> {
     let used = |kind: &&Kind| {
         tree.items.iter().any(|item| {
@@ -85,7 +85,7 @@ pub(super) fn kinds(tree: &Tree) -> Vec<&'static Vocabulary> {
     shown.into_iter().map(|kind| kind.vocabulary()).collect()
 }
 
-/// All words of some kinds, with those of benches if they are wanted.
+/// All words of some kinds, optionally with those of instruments.
 pub(super) fn known_words(kinds: &[&'static Vocabulary], with_instruments: bool) -> Vec<KnownWord> {
     let field = |field: &VocabularyField| KnownWord { word: field.name, form: field.term(), meaning: field.meaning() };
     let mut words = Vec::new();

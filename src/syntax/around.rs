@@ -1,4 +1,4 @@
-//! The text round a mistake: the words, lines and blanks that messages repeat and edits replace.
+//! Text around a mistake: the words, lines and spaces that messages repeat and edits replace.
 
 use crate::source::Span;
 
@@ -7,7 +7,7 @@ pub(super) fn part(span: Span, start: usize, end: usize) -> Span {
     Span::new(span.file, start, end)
 }
 
-/// The first word, number or sign at an offset; empty only at the end of the text.
+/// The first word, number or other character at an offset; empty only at the end of the text.
 pub(super) fn token_at(text: &str, offset: usize) -> &str {
     let rest = after(text, offset);
     let Some(first) = rest.chars().next() else { return "" };
@@ -28,17 +28,17 @@ pub(super) fn token_at(text: &str, offset: usize) -> &str {
 /// Bytes around a mistake in which a message looks for words to repeat: a line may be a megabyte long.
 const SIGHT_BYTES: usize = 512;
 
-/// The text before an offset, as far as a message looks.
+/// The text before an offset, at most `SIGHT_BYTES`.
 pub(super) fn before(text: &str, offset: usize) -> &str {
     &text[text.floor_char_boundary(offset.saturating_sub(SIGHT_BYTES))..offset]
 }
 
-/// The text from an offset on, as far as a message looks.
+/// The text from an offset on, at most `SIGHT_BYTES`.
 pub(super) fn after(text: &str, offset: usize) -> &str {
     &text[offset..text.ceil_char_boundary((offset + SIGHT_BYTES).min(text.len()))]
 }
 
-/// Where the last code before an offset ends: blanks, line ends and comments are passed by.
+/// End of the last code before an offset; spaces, line ends and comments are skipped.
 pub(super) fn code_end_before(text: &str, offset: usize) -> usize {
     let mut end = offset;
     loop {
@@ -52,19 +52,19 @@ pub(super) fn code_end_before(text: &str, offset: usize) -> usize {
     }
 }
 
-/// The line of an offset up to that offset, without its indentation.
+/// The line of an offset, up to that offset and without its indentation.
 pub(super) fn line_before(text: &str, offset: usize) -> &str {
     let seen = before(text, offset);
     seen.rfind('\n').map_or(seen, |at| &seen[at + 1..]).trim()
 }
 
-/// The line of an offset from that offset on, without a comment.
+/// The line of an offset, from that offset on and without a comment.
 pub(super) fn line_after(text: &str, offset: usize) -> &str {
     let line = after(text, offset).lines().next().unwrap_or("");
     line.split("//").next().unwrap_or("").trim()
 }
 
-/// The value at the beginning of a text: up to the comma or the bracket that ends it.
+/// The value at the beginning of a text, up to the comma or bracket that ends it.
 pub(super) fn value_in(text: &str) -> &str {
     let mut depth = 0_usize;
     for (at, c) in text.char_indices() {
@@ -78,10 +78,10 @@ pub(super) fn value_in(text: &str) -> &str {
     text
 }
 
-/// The longest piece of the user's text that a message repeats, in characters.
+/// Greatest number of characters of the user's text that a message quotes.
 const LONGEST_QUOTE: usize = 60;
 
-/// A piece of the user's text for a message, cut where it is long.
+/// Quotes a piece of the user's text for a message; long pieces are cut.
 pub(super) fn quote(text: &str) -> String {
     let mut quoted: String = text.chars().take(LONGEST_QUOTE).collect();
     if text.chars().nth(LONGEST_QUOTE).is_some() {
@@ -90,18 +90,18 @@ pub(super) fn quote(text: &str) -> String {
     quoted
 }
 
-/// Where the blanks end that begin at an offset.
+/// End of the spaces and tabs that begin at an offset.
 pub(super) fn blanks_end(text: &str, offset: usize) -> usize {
     text.len() - text[offset..].trim_start_matches([' ', '\t']).len()
 }
 
-/// A sign with the blanks round it.
+/// A sign with the spaces and tabs around it.
 pub(super) fn with_blanks(sign: Span, text: &str) -> Span {
     let start = text[..sign.start as usize].trim_end_matches([' ', '\t']).len();
     part(sign, start, blanks_end(text, sign.end as usize))
 }
 
-/// Something with the line that it stands on, if nothing else does.
+/// A span, extended to its whole line if nothing else stands on that line.
 pub(super) fn line_part(span: Span, start: usize, end: usize, text: &str) -> Span {
     let before = text[..start].trim_end_matches([' ', '\t']);
     let behind = blanks_end(text, end);
@@ -119,7 +119,7 @@ pub(super) fn token_before(text: &str, offset: usize) -> &str {
     &head[start.map_or(0, |(at, c)| at + c.len_utf8())..]
 }
 
-/// The last word or sign of a text.
+/// The last word or other character of a text.
 pub(super) fn token_before_sign(text: &str) -> &str {
     let text = before(text, text.len());
     let Some(last) = text.chars().next_back() else { return "" };
@@ -135,7 +135,7 @@ pub(super) fn token_before_sign(text: &str) -> &str {
     &text[start.map_or(0, |(at, c)| at + c.len_utf8())..]
 }
 
-/// A span without the blanks around it; the word or sign before it, if nothing else is in it.
+/// A span without the spaces around it; if it contains only spaces, the word or character before it.
 pub(super) fn visible(span: Span, text: &str) -> Span {
     let inside = &text[span.range()];
     let end = span.start as usize + inside.trim_end().len();
@@ -147,7 +147,7 @@ pub(super) fn visible(span: Span, text: &str) -> Span {
     part(span, before - token_before_sign(&text[..before]).len(), before)
 }
 
-/// The first word of a span.
+/// The first word of a span; `length` is in bytes.
 pub(super) fn first_word(span: Span, length: usize) -> Span {
     part(span, span.start as usize, span.start as usize + length)
 }

@@ -1,4 +1,4 @@
-//! Matching of brackets: which are open, which were forgotten, and where a forgotten one is taken as closed.
+//! Bracket matching: which brackets are open, which were never closed, and where an unclosed one is taken to end.
 
 use super::around;
 use super::cursor::{Brackets, Cursor, OpenBracket};
@@ -32,7 +32,7 @@ impl Cursor<'_> {
         self.at += 1;
     }
 
-    /// Passes by everything inside of a bracket that is nested too deep.
+    /// Skips everything inside a bracket that is nested too deep.
     fn too_deep(&mut self) {
         let start = self.at;
         let mut depth = 0_usize;
@@ -80,7 +80,7 @@ impl Cursor<'_> {
     }
 
     fn stray(&mut self, at: usize) {
-        // On the head's own line it tells nothing of where a block begins.
+        // A `}` on the head's own line does not show where the block should begin.
         let opens = |head: &usize| *head <= at && self.text.as_bytes()[at] == b'}';
         if let Some(head) = self.head_end.take().filter(opens) {
             let line = around::line_before(self.text, head);
@@ -103,7 +103,8 @@ impl Cursor<'_> {
         }
     }
 
-    /// Reports the `(` and `[` from `first` on as one mistake and covers them, up to their line's end or to `limit`.
+    /// Reports the open `(` and `[` from index `first` on as one mistake, and covers them up to the end of their line
+    /// or to `limit`.
     fn unclosed_brackets(&mut self, first: usize, limit: usize) {
         let lost: Vec<OpenBracket> = self.brackets.open.drain(first..).collect();
         let (Some(outer), Some(inner)) = (lost.first(), lost.last()) else { return };
@@ -118,7 +119,8 @@ impl Cursor<'_> {
         self.cover(outer.at, code);
     }
 
-    /// A declaration begins: any bracket open here that stands no further right was forgotten.
+    /// Handles the beginning of a declaration: open brackets count as never closed unless the declaration is indented
+    /// further than the first of them.
     pub fn item_begins(&mut self) {
         let Some(first) = self.brackets.open.first() else { return self.head_begins() };
         if self.indent > first.indent {
@@ -131,7 +133,7 @@ impl Cursor<'_> {
         self.head_begins();
     }
 
-    /// Remembers where a block must begin.
+    /// Remembers where the block of the declaration must begin.
     fn head_begins(&mut self) {
         let end = self.end_of_line();
         let code = around::code_end_before(self.text, end);
@@ -139,7 +141,7 @@ impl Cursor<'_> {
         self.head_end = Some(code).filter(|code| has_braces && *code > self.at && *code < self.text.len());
     }
 
-    /// `robots: table` at the end of a line, whose rows follow without a `{`.
+    /// Handles `robots: table` at the end of a line whose rows follow without a `{`.
     pub fn line_ends(&mut self) {
         if !self.text.get(self.line_start..self.at).is_some_and(|line| line.contains("table")) {
             return;
@@ -161,7 +163,7 @@ impl Cursor<'_> {
         self.close_all(self.text.len(), None);
     }
 
-    /// Closes whatever is open: brackets by a hole, braces by a cut.
+    /// Closes everything that is open: brackets by covering them with a hole, braces by a cut.
     fn close_all(&mut self, limit: usize, item: Option<Span>) {
         if let Some(first) = self.brackets.open.iter().position(|open| open.bracket != b'{') {
             self.unclosed_brackets(first, limit);

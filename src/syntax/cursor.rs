@@ -1,16 +1,16 @@
-//! A place in the text that is being scanned: what is open there, how to go on, and how to cover what was read.
+//! Position in the text that is being scanned: what is open there, how to move on, and how to cover text.
 
 use super::MAX_FINDINGS;
 use crate::diagnostic::Diagnostic;
 use crate::source::{FileId, Span};
 
-/// Stands where something could not be read and was reported; the grammar takes a run of it for a value.
+/// Placeholder for reported text that could not be read; the grammar takes a run of holes as a value.
 pub(super) const HOLE: char = '\u{1}';
 
-/// Stands for a line end that closes every open block.
+/// Placeholder for a line end that closes every open block.
 pub(super) const CUT: char = '\u{2}';
 
-/// A place in a text, with what was found before it.
+/// A position in a text, with what was found before it.
 pub(super) struct Cursor<'t> {
     file: FileId,
     pub text: &'t str,
@@ -19,18 +19,18 @@ pub(super) struct Cursor<'t> {
     pub findings: Vec<Diagnostic>,
     pub docs: Vec<Span>,
     pub brackets: Brackets,
-    /// Where the code of a declaration's head ends that has had no block yet.
+    /// End of the code of a declaration's head whose block has not begun yet.
     pub head_end: Option<usize>,
-    /// The last byte of code, and where the line of that code ends, if a line end has been met since.
+    /// The last byte of code, and the end of the line of that code if a line end has followed.
     pub last: u8,
     pub line_end: Option<usize>,
-    /// Where the line begins.
+    /// Where the current line begins.
     pub line_start: usize,
-    /// Where it ends; known once, because a line may be a megabyte long.
+    /// Where the current line ends; computed once per line, because a line may be a megabyte long.
     line_limit: usize,
-    /// The blanks at its head.
+    /// Indentation of the current line.
     pub indent: usize,
-    /// Whether the line has had no code yet.
+    /// Whether there has been no code on the line yet.
     pub is_line_start: bool,
 }
 
@@ -39,9 +39,9 @@ pub(super) struct Cursor<'t> {
 pub(super) struct OpenBracket {
     pub bracket: u8,
     pub at: usize,
-    /// The blanks at the head of its line.
+    /// Indentation of its line.
     pub indent: usize,
-    /// The first line end inside that neither the code before it nor a closing bracket after it explains.
+    /// The first line end inside that is explained neither by the code before it nor by a closing bracket after it.
     pub line_end: Option<usize>,
 }
 
@@ -49,13 +49,14 @@ pub(super) struct OpenBracket {
 #[derive(Debug, Default)]
 pub(super) struct Brackets {
     pub open: Vec<OpenBracket>,
-    /// A brace that was closed by a `}` further left than its own line: its own closing brace is missing.
+    /// A brace that was closed by a `}` further left than the brace's own line: its own closing brace is probably
+    /// missing.
     pub suspect: Option<usize>,
     pub is_too_deep: bool,
 }
 
 impl Brackets {
-    /// Whether the innermost bracket is a brace that stands at or after an offset.
+    /// Whether the innermost bracket is a brace at or after an offset.
     pub fn opened_after(&self, offset: usize) -> bool {
         self.open.last().is_some_and(|open| open.bracket == b'{' && open.at >= offset)
     }
@@ -64,12 +65,12 @@ impl Brackets {
         self.open.is_empty()
     }
 
-    /// Whether no list and no place is open.
+    /// Whether entries may stand here: no `(` or `[` is open inside the innermost brace.
     pub fn takes_entries(&self) -> bool {
         self.open.last().is_none_or(|open| open.bracket == b'{')
     }
 
-    /// A line ended where an open `(` or `[` may not continue on the next one.
+    /// Records a line end inside an open `(` or `[` that may not continue on the next line.
     pub fn line_ended(&mut self, at: usize) {
         for open in self.open.iter_mut().rev().take_while(|open| open.bracket != b'{') {
             open.line_end.get_or_insert(at);
@@ -107,20 +108,20 @@ impl<'t> Cursor<'t> {
         }
     }
 
-    /// Puts bytes in the place of others: `with`, filled up with blanks.
+    /// Overwrites a range of bytes with `with`, padded with spaces.
     pub fn replace(&mut self, start: usize, end: usize, with: &str) {
         let bytes = self.covered.get_or_insert_with(|| self.text.as_bytes().to_vec());
         bytes[start..end].fill(b' ');
         bytes[start..start + with.len()].copy_from_slice(with.as_bytes());
     }
 
-    /// Covers text that has been reported.
+    /// Covers reported text with holes.
     pub fn cover(&mut self, start: usize, end: usize) {
         let bytes = self.covered.get_or_insert_with(|| self.text.as_bytes().to_vec());
         bytes[start..end].fill(HOLE as u8);
     }
 
-    /// Closes every block at a line end.
+    /// Closes every open block at a line end.
     pub fn cut(&mut self, at: usize) {
         let bytes = self.covered.get_or_insert_with(|| self.text.as_bytes().to_vec());
         bytes[at] = CUT as u8;
@@ -130,12 +131,12 @@ impl<'t> Cursor<'t> {
         &self.text[self.at..]
     }
 
-    /// Where the line ends.
+    /// Where the current line ends.
     pub fn end_of_line(&self) -> usize {
         self.line_limit
     }
 
-    /// Goes on behind some code that may end lines further down.
+    /// Moves past code that may span several lines.
     pub fn go_to(&mut self, at: usize) {
         self.at = at;
         if at > self.line_limit {
@@ -158,13 +159,13 @@ impl<'t> Cursor<'t> {
         self.is_line_start = true;
     }
 
-    /// Whether the last code demands a next line.
+    /// Whether the last code must be continued on the next line.
     fn goes_on(&self) -> bool {
         matches!(self.last, b'(' | b'[' | b',' | b':' | b'=' | b'<' | b'>' | b'+' | b'-' | b'*' | b'/' | b'^')
     }
 }
 
-/// Where the line of a place ends, before its CR and LF.
+/// End of the line at a position, before its CR and LF.
 pub(super) fn end_of_line(text: &str, from: usize) -> usize {
     let line = text[from..].split('\n').next().unwrap_or_default();
     from + line.strip_suffix('\r').unwrap_or(line).len()

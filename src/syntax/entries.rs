@@ -1,4 +1,4 @@
-//! Content of braces: fields, objects, steps, wires, and the loops over them.
+//! Content of blocks: fields, objects, steps, wires, and loops over them.
 
 use super::around::{self, token_at};
 use super::errors;
@@ -18,29 +18,29 @@ use super::words::is_name;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// Whether a bracket follows a name that is no function's.
+/// Whether the value is a call of a name that is not a function.
 fn is_no_function(value: &Expr) -> bool {
     let ExprKind::Call { function, .. } = &value.kind else { return false };
     !matches!(function.segments.as_slice(), [only] if only.indices.is_empty() && is_function(&only.name.text))
 }
 
-/// Whether a list follows `any`, which stands before a name.
+/// Whether the value is a path with the segment `any`, which takes a list before a name.
 fn is_any(value: &Expr) -> bool {
     matches!(&value.kind, ExprKind::Path(Path { segments, .. }) if segments.iter().any(|word| word.name.text == "any"))
 }
 
-/// Whether a finding is about a blank before a bracket in a span.
+/// Whether a finding is about a space before a bracket inside a span.
 fn is_blank_in(finding: &Diagnostic, span: Span) -> bool {
     finding.code == Code::E0108 && finding.span().is_some_and(|blank| span.contains(blank))
 }
 
 impl Reader<'_> {
-    /// Reads the entries of a block; `read` gets each with the doc comment before it.
+    /// Reads the entries of a block; `read` gets each entry with its doc comment.
     fn block<E>(&mut self, node: Node, read: impl Fn(&mut Self, Node, Doc) -> Option<E>) -> Vec<E> {
         let mut entries = Vec::new();
         let mut doc = None;
         for child in self.children(node) {
-            // What a finding about a whole step has covered already.
+            // Already covered by a finding about the whole step.
             if self.passed > 0 && self.span(&child).start < self.passed {
                 continue;
             }
@@ -48,10 +48,10 @@ impl Reader<'_> {
                 doc = Some(child);
                 continue;
             }
-            // `move to 19, 28`: one mistake, of which the comma makes two entries.
+            // `move to 19, 28`: one mistake that the comma splits into two entries.
             let is_bad = child.as_rule() == Rule::bad_entry;
             if let Some(slip) = is_bad.then(|| slips::rest_of_place(self.span(&child), self.source)).flatten() {
-                // A bracket that closes what was not opened belongs to it.
+                // An unmatched closing bracket is part of the same mistake.
                 self.forget_code(Code::E0112, slip.span().unwrap_or_default());
                 self.report(slip);
                 entries.pop();
@@ -64,7 +64,7 @@ impl Reader<'_> {
         entries
     }
 
-    /// The fields of a device, a shape or a planner.
+    /// Reads the fields of a device, a shape or a planner.
     pub fn fields(&mut self, node: Node) -> Vec<Field> {
         self.block(node, |reader, child, doc| match child.as_rule() {
             Rule::field => Some(reader.field(child, doc)),
@@ -76,14 +76,14 @@ impl Reader<'_> {
         })
     }
 
-    /// The field that an unreadable entry is but for its colon, or its value: it is there, and is no field that is missing.
+    /// Reads a field that lacks its colon or its value. It counts as present, so that it is not reported as missing.
     fn field_without_value(&mut self, node: &Node, doc: Doc) -> Option<Field> {
         let span = self.trimmed(node);
         let whole = &self.source[span.range()];
         let (skipped, text) =
             recover::field_without_colon(whole).map(|text| (0, text)).or_else(|| named_entry(whole))?;
         let text = text.to_owned();
-        // `pulse voltage: 20 V` is one name with a blank in it.
+        // `pulse voltage: 20 V` is one name with a space in it.
         if slips::blank_in_name(span, whole).is_some() {
             return None;
         }
@@ -93,7 +93,7 @@ impl Reader<'_> {
         Some(Field { doc, name: Ident { text, span: name_span }, value, span })
     }
 
-    /// Entries of a scene.
+    /// Reads the entries of a scene.
     pub fn scene_entries(&mut self, node: Node) -> Vec<SceneEntry> {
         self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
@@ -115,7 +115,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Entries of a task, a program, or a block of one.
+    /// Reads the entries of a task, a program, or a block of one.
     pub fn entries(&mut self, node: Node) -> Vec<Entry> {
         self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
@@ -139,7 +139,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Entries of a wiring.
+    /// Reads the entries of a wiring.
     pub fn wires(&mut self, node: Node) -> Vec<WiringEntry> {
         self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
@@ -226,7 +226,7 @@ impl Reader<'_> {
             self.report(finding);
             return None;
         }
-        // Of other steps, which may be long, the words are not even looked at.
+        // Only `set` is examined: other steps may be long.
         if head.text == "set"
             && let Some(finding) = slips::level_on(span, self.source)
         {
@@ -249,10 +249,11 @@ impl Reader<'_> {
                 Rule::step_expr => {
                     let span = self.span(&part);
                     let mut object = self.object_of_step(part, step.noun.as_ref());
-                    // Behind `run` stands a task with its arguments.
+                    // `run` is followed by a task with its arguments.
                     if step.head.text != "run" {
                         self.mend_index(&mut object);
-                        // `move m1 (8, 9)` lacks a preposition, and has no blank too many; `move any [a, b]` names no `any`.
+                        // `move m1 (8, 9)` lacks a preposition; it has no superfluous space. `move any [a, b]` does not
+                        // use `any` as a name.
                         if is_no_function(&object) || is_any(&object) {
                             self.forget_code(Code::E0108, span);
                         }
@@ -266,7 +267,7 @@ impl Reader<'_> {
         Some(step)
     }
 
-    /// What stands behind a verb, which may be a place behind a misspelt preposition.
+    /// Reads the object of a step, which may be a place after a misspelt preposition.
     fn object_of_step(&mut self, node: Node, noun: Option<&Ident>) -> Expr {
         let span = self.span(&node);
         match habits::misspelt_preposition(span, noun.map(|noun| noun.text.as_str()), self.source) {
@@ -278,7 +279,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads `drop(2)` as `drop[2]`, and reports it.
+    /// Reads `drop(2)` as `drop[2]` and reports it.
     fn mend_index(&mut self, value: &mut Expr) {
         let ExprKind::Call { function, arguments } = &mut value.kind else { return };
         let bracket = function.span.end as usize;
@@ -296,7 +297,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Reports what parts the place of `merge a with b (8, 4)` and of `start at the (0, 0)` from its step, in the stead of a blank too many.
+    /// Reports the missing preposition of `merge a with b (8, 4)` or the article of `start at the (0, 0)`, in place of
+    /// the superfluous space.
     fn part_place(&mut self, value: &Expr) {
         self.forget_code(Code::E0108, value.span);
         let written = &self.source[value.span.range()];
@@ -316,7 +318,7 @@ impl Reader<'_> {
         let span = self.span(&node);
         let mut parts = self.children(node).into_iter();
         let Ident { text, span: at } = parts.next().map(|word| self.ident(&word))?;
-        // `for at most` is one, whatever stands between its words.
+        // `for at most` is one preposition, whatever the spacing between its words.
         let text =
             if text.contains([' ', '\t']) { text.split_whitespace().collect::<Vec<_>>().join(" ") } else { text };
         let preposition = Ident { text, span: at };
@@ -352,7 +354,7 @@ impl Reader<'_> {
     }
 }
 
-/// The name of an unreadable field before its colon, and where it begins: `right: 5 5`, `'right': 5`.
+/// The name before the colon of an unreadable field, with the offset at which it begins: `right: 5 5`, `'right': 5`.
 fn named_entry(text: &str) -> Option<(usize, &str)> {
     let is_quote_mark = |c: char| c == '"' || is_quote(c);
     let bare = text.trim_start_matches(is_quote_mark);

@@ -1,4 +1,4 @@
-//! Diagnostics of the parser: one function for each mistake.
+//! Diagnostics of the parser: one function per mistake.
 
 use super::around::{
     after, blanks_end, code_end_before, first_word, line_after, line_before, line_part, part, quote, token_at,
@@ -10,7 +10,7 @@ use super::words::{is_invisible, is_name, is_word, starts_item};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// Where a list of entries stands.
+/// Sort of block that a list of entries belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ListPlace {
     Fields,
@@ -20,7 +20,7 @@ pub(super) enum ListPlace {
 }
 
 impl ListPlace {
-    /// The entries expected there, with an example.
+    /// The entries that the list takes, with an example.
     pub fn wants(self) -> &'static str {
         match self {
             ListPlace::Fields => "a field, such as `left: 5`",
@@ -65,7 +65,7 @@ pub(super) fn leading_preposition(mark: Span, text: &str) -> Diagnostic {
     let finding = Diagnostic::new(Code::E0107, format!("a line begins with `{word}`"))
         .label(part(mark, start, start + word.len()), "this belongs to the line above")
         .help(format!("write the step on one line: `{joined}`"));
-    // A comment between the two would swallow the rest of the step.
+    // Joining the lines would let a comment between them swallow the rest of the step.
     if text[end..start].trim().is_empty() { finding.mended(part(mark, end, start), " ") } else { finding }
 }
 
@@ -274,7 +274,7 @@ pub(super) fn open_text_hole(span: Span) -> Diagnostic {
         .help("write `{{` for a brace, or close the value with `}`")
 }
 
-/// `ends_line` is whether nothing stands behind it on its last line.
+/// A block comment; `ends_line` is whether nothing follows it on its last line.
 pub(super) fn block_comment(span: Span, comment: &str, ends_line: bool) -> Diagnostic {
     let words = comment.trim_start_matches("/*").trim_end_matches("*/").trim();
     let first = words.lines().next().unwrap_or("").trim();
@@ -294,7 +294,7 @@ pub(super) fn block_comment(span: Span, comment: &str, ends_line: bool) -> Diagn
     let mut finding = finding.mended(part(span, at(0), at(2)), "//");
     for (line, _) in comment[..body].match_indices('\n') {
         let start = blanks_end(comment, line + 1);
-        // A star that begins the line is part of the frame.
+        // A star at the beginning of a line is decoration of the comment.
         let star = usize::from(comment[start..body].starts_with('*'));
         let gap = if star == 0 && start < body { "// " } else { "//" };
         finding = finding.mended(part(span, at(start), at(start + star)), gap);
@@ -314,7 +314,7 @@ pub(super) fn foreign_comment(span: Span, comment: &str) -> Diagnostic {
         )
 }
 
-/// `mend` is what to write in its place.
+/// A `;`; `mend` is the replacement.
 pub(super) fn semicolon(span: Span, mend: &str) -> Diagnostic {
     let help = match mend {
         "," => "write a comma: inside of brackets nothing else separates",
@@ -352,7 +352,7 @@ pub(super) fn transpose(mark: Span) -> Diagnostic {
         .mended_here("")
 }
 
-/// `'right': 5`.
+/// A quoted field name, as in `'right': 5`.
 pub(super) fn quoted_name(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0118, format!("quotes round the name `{name}`"))
         .label(span, "names stand without quotes")
@@ -523,7 +523,7 @@ pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
     // `let n 3`
     let (line, at) = (line_before(text, rest.start as usize), rest.start as usize);
     let value = line_after(text, at).trim_start_matches('=').trim();
-    // Words one after the other are no value.
+    // Several words in a row are not a value.
     let is_value = is_name(value) || !value.starts_with(|c: char| c.is_alphabetic());
     match line.strip_prefix("let ").map(str::trim) {
         Some(name) if is_name(name) && is_value => {
@@ -570,10 +570,10 @@ pub(super) fn value_without_let(span: Span, text: &str) -> Diagnostic {
         .mended(part(span, start + word.len(), start + (line.len() - value.len())), " = ")
 }
 
-/// The noun of a declaration whose kind and fields stand for a value: `dimibot.femto_st { … }`.
+/// The noun of a declaration whose kind and fields were written as a value: `dimibot.femto_st { … }`.
 fn declared_with_braces(value: &str) -> Option<&'static str> {
     let kind = value.split('{').next().filter(|kind| kind.len() < value.len())?.trim();
-    // One word before braces may be a shape, which is a value.
+    // A single word before braces may be a shape, which is a value.
     let is_kind =
         kind.starts_with(char::is_alphabetic) && kind.contains('.') && kind.chars().all(|c| is_word(c) || c == '.');
     let is_instrument = kind.split('.').any(|part| part == "instruments");

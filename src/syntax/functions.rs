@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, Copy)]
 pub struct FunctionForm {
     pub name: &'static str,
-    /// `…` stands for more of the one before it.
+    /// Parameter names; `…` means that the one before it may be repeated.
     pub parameters: &'static [&'static str],
     pub doc: &'static str,
 }
@@ -34,7 +34,7 @@ pub const FUNCTIONS: &[FunctionForm] = &[
     function("quaternion", &["w", "x", "y", "z"], "an orientation as a quaternion of length 1"),
 ];
 
-/// How a function is written, as `atan2(y, x)`.
+/// Call form of a function, such as `atan2(y, x)`.
 pub fn function_form(name: &str) -> Option<String> {
     let form = FUNCTIONS.iter().find(|form| form.name == name)?;
     Some(format!("{name}({})", form.parameters.join(", ")))

@@ -1,4 +1,4 @@
-//! The grammar as pest reads it, and the strength of its operators.
+//! The pest grammar, and the precedence of its operators.
 
 use pest::iterators::Pair;
 use pest::pratt_parser::{Assoc, Op, PrattParser};
@@ -11,7 +11,7 @@ pub(super) struct Grammar;
 
 pub(super) type Node<'i> = Pair<'i, Rule>;
 
-/// The operators, loosest first. A sign binds looser than a power: `-2^2` is -4.
+/// The operators, loosest first. A sign binds more loosely than a power: `-2^2` is -4.
 pub(super) static STRENGTHS: LazyLock<PrattParser<Rule>> = LazyLock::new(|| {
     let left = |rule| Op::infix(rule, Assoc::Left);
     PrattParser::new()

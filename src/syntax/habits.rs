@@ -1,11 +1,11 @@
-//! Habits of other languages that newcomers bring: each gets one diagnostic that says how the same is written here.
+//! Habits from other languages; each gets one diagnostic that shows the equivalent in Tweeze.
 
 use super::around::{self, after, line_after, line_before, part, quote, token_at, value_in, with_blanks};
 use super::words::{PREPOSITIONS, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// A step in the manner of another language, which could not be read.
+/// Diagnoses an unreadable step written in the style of another language.
 pub(super) fn step(span: Span, source: &str) -> Option<Diagnostic> {
     let text = &source[span.range()];
     let head = token_at(text, 0);
@@ -54,7 +54,7 @@ fn method_call(span: Span, object: &str, method: &str) -> Option<Diagnostic> {
     Some(Diagnostic::new(Code::E0101, "a step in the manner of a call").label(whole, "steps are no methods").help(help))
 }
 
-/// What stopped reading inside the list of a declaration at `at`: a matrix, or a loop.
+/// Diagnoses what stopped parsing at `at` inside a list of a declaration: a matrix or a loop.
 pub(super) fn list(span: Span, at: usize, source: &str) -> Option<Diagnostic> {
     let text = &source[span.start as usize..at];
     let open = text.rfind('[').filter(|open| !text[*open..].contains(']'))?;
@@ -86,7 +86,7 @@ pub(super) fn list(span: Span, at: usize, source: &str) -> Option<Diagnostic> {
     })
 }
 
-/// `7 // 2`, of which everything from the signs on is a comment.
+/// `7 // 2`, where everything from the `//` on is a comment.
 pub(super) fn whole_division(comment: Span, source: &str) -> Option<Diagnostic> {
     let divisor = source[comment.range()].strip_prefix("//")?.trim();
     let is_number =
@@ -111,7 +111,7 @@ pub(super) fn import(span: Span, text: &str) -> Option<Diagnostic> {
     )
 }
 
-/// `device my-bot …`, `device "bot" …`: a name as it cannot be, of which `rest` is what could not be read; `before` is the text up to it.
+/// `device my-bot …`, `device "bot" …`: an invalid name; `rest` is the part that could not be read.
 pub(super) fn name(rest: Span, source: &str) -> Option<Diagnostic> {
     let start = rest.start as usize;
     let text = &source[rest.range()];
@@ -137,7 +137,7 @@ pub(super) fn name(rest: Span, source: &str) -> Option<Diagnostic> {
     })
 }
 
-/// Comparisons in words, the longer ones before those that they begin with, and their signs.
+/// Comparisons in words with their signs; longer phrases come before their own prefixes.
 const COMPARISONS: [(&str, &str); 23] = [
     ("less than or equal to", "<="),
     ("greater than or equal to", ">="),
@@ -164,7 +164,8 @@ const COMPARISONS: [(&str, &str); 23] = [
     ("equals", "=="),
 ];
 
-/// `time less than 400 ms`, behind `require`: where the words stand between a figure and its limit, and the sign that they mean.
+/// `time less than 400 ms`, after `require`: the range of the words between a figure and its limit, and the sign that
+/// they mean.
 pub(super) fn comparison(text: &str) -> Option<(std::ops::Range<usize>, &'static str)> {
     let figure = text.trim_start_matches([' ', '\t']);
     let name = figure.len() - figure.trim_start_matches(|c| is_word(c) || matches!(c, '.' | '[' | ']')).len();
@@ -181,7 +182,7 @@ pub(super) fn comparison(text: &str) -> Option<(std::ops::Range<usize>, &'static
         }
         Some(text.len() - rest.len())
     };
-    // `is less than`, and `is` alone.
+    // `is less than`, or `is` alone.
     let verb = after("must be", words).or_else(|| after("is", words)).unwrap_or(0);
     let found = COMPARISONS.iter().find_map(|(phrase, sign)| Some((after(phrase, &words[verb..])?, *sign)));
     let (length, sign) = match found {
@@ -195,7 +196,7 @@ pub(super) fn comparison(text: &str) -> Option<(std::ops::Range<usize>, &'static
     is_value.then_some((start..start + length, sign))
 }
 
-/// The words stand in an entry that begins at `entry`.
+/// A comparison in words, in an entry that begins at `entry`.
 pub(super) fn comparison_in_words(words: Span, entry: usize, sign: &str, source: &str) -> Diagnostic {
     let figure = source[entry..words.start as usize].trim_end();
     let limit = value_in(line_after(source, words.end as usize));
@@ -205,7 +206,7 @@ pub(super) fn comparison_in_words(words: Span, entry: usize, sign: &str, source:
         .mended_here(sign)
 }
 
-/// A whole step in other words than the verb takes, and where it ends.
+/// Diagnoses a whole step worded differently from the verb's form; returns the finding and the span that it covers.
 pub(super) fn whole_step(step: Span, source: &str) -> Option<(Diagnostic, Span)> {
     let start = step.start as usize;
     let head = ["merge", "split", "assemble"].into_iter().find(|head| source[start..].starts_with(head))?;
@@ -223,7 +224,8 @@ pub(super) fn whole_step(step: Span, source: &str) -> Option<(Diagnostic, Span)>
     finding.map(|finding| (finding, whole))
 }
 
-/// `detect drop at window forr 2 s`: the word behind a step is a preposition, but for a letter; with the end of all that.
+/// `detect drop at window forr 2 s`: the word after a step is a preposition with one wrong letter. Returns the finding
+/// and the span of the step with the rest of its line.
 pub(super) fn misspelt_behind(step: Span, source: &str) -> Option<(Diagnostic, Span)> {
     let at = around::blanks_end(source, step.end as usize);
     let word = token_at(source, at);
@@ -261,7 +263,7 @@ fn merged(step: Span, text: &str, words: &[&str]) -> Option<Diagnostic> {
     if !is_name(first) || !is_name(second) || !matches!(behind, [] | ["at", ..]) {
         return None;
     }
-    // Behind the first name: a word such as `and` may be part of it.
+    // Searched after the first name, because a word such as `and` may be part of it.
     let from = text.find(first)? + first.len();
     let sign = step.start as usize + from + text[from..].find(wrong)?;
     let sign = part(step, sign, sign + wrong.len());
@@ -290,7 +292,7 @@ fn split_into(step: Span, words: &[&str]) -> Option<Diagnostic> {
     })
 }
 
-/// `assemble D1, D2`, with a block behind it or without.
+/// `assemble D1, D2`, with or without a block.
 fn assembled(step: Span, line: &str, text: &str, rest: &str) -> Option<Diagnostic> {
     let names: Vec<&str> = rest.split(',').flat_map(|part| part.split(" and ")).map(str::trim).collect();
     if names.len() < 2 || !names.iter().all(|name| is_name(name)) {
@@ -306,10 +308,11 @@ fn assembled(step: Span, line: &str, text: &str, rest: &str) -> Option<Diagnosti
     Some(finding.help(format!("write `assemble {{ {} }}`, with the pose of each", quote(&goals.join(", ")))))
 }
 
-/// What is written for `to`; of other words it is not known whether they are the object that is moved.
+/// Misspellings of `to`. Any other word may be the object that is moved.
 const TO: [&str; 5] = ["too", "tto", "tp", "ot", "tu"];
 
-/// `move too (19, 28)`, `move m1 form (5, 3)`: the word before a bracket is a preposition, but for a letter. `noun` is the word before it.
+/// `move too (19, 28)`, `move m1 form (5, 3)`: the word before a bracket is a preposition with one wrong letter. `noun`
+/// is the word before it.
 pub(super) fn misspelt_preposition(object: Span, noun: Option<&str>, source: &str) -> Option<Diagnostic> {
     let text = &source[object.range()];
     let word = token_at(text, 0);
@@ -317,7 +320,7 @@ pub(super) fn misspelt_preposition(object: Span, noun: Option<&str>, source: &st
     if !word.starts_with(is_word) || follows.len() == text.len() - word.len() || !follows.starts_with('(') {
         return None;
     }
-    // Not `in` and `on`: `min` and `sin` are functions.
+    // Without `in` and `on`, because `min` and `sin` are functions.
     let known = ["to", "from", "via", "with", "about", "after", "at", "by"];
     let is_near = |right: &&str| *right != word && strsim::osa_distance(word, right) == 1;
     let right = match noun {

@@ -1,4 +1,4 @@
-//! Slips in the heads of declarations, between the name and the block.
+//! Mistakes in the heads of declarations, between the name and the block.
 
 use super::around::{self, part, quote, token_at, token_before};
 use super::grammar::Rule;
@@ -7,16 +7,17 @@ use super::{habits, slips, stops};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// Bytes of a file in which a message looks for the device that is meant: files may be large, and have many broken heads.
+/// Bytes at the beginning of a file that are searched for the intended device: a file may be large and have many broken
+/// heads.
 const DEVICES_SIGHT_BYTES: usize = 1 << 16;
 
-/// The names that the beginning of a file declares by a word, as `device `.
+/// The names that the beginning of a file declares with a given word, such as `device `.
 fn declared<'s>(source: &'s str, by: &'static str) -> impl Iterator<Item = &'s str> {
     let seen = &source[..source.floor_char_boundary(DEVICES_SIGHT_BYTES)];
     seen.lines().filter_map(move |line| line.strip_prefix(by)).map(|name| token_at(name.trim_start(), 0))
 }
 
-/// The devices that the beginning of a file declares.
+/// The devices declared at the beginning of a file.
 fn devices(source: &str) -> impl Iterator<Item = &str> {
     declared(source, "device ")
 }
@@ -70,7 +71,7 @@ pub(super) fn wire_without_braces(span: Span, text: &str) -> Option<Diagnostic> 
     Some(finding.help(format!("write `{} {{ all -> {} }}`", quote(wiring.trim_end()), quote(output.trim()))))
 }
 
-/// The first word of a declaration once more, in place of its name.
+/// The first word of a declaration, repeated in place of its name.
 pub(super) fn word_twice(word: Span, source: &str) -> Diagnostic {
     let text = quote(&source[word.range()]);
     Diagnostic::new(Code::E0101, format!("`{text}` stands there twice"))
@@ -79,10 +80,10 @@ pub(super) fn word_twice(word: Span, source: &str) -> Diagnostic {
         .mended(part(word, word.start as usize, around::blanks_end(source, word.end as usize)), "")
 }
 
-/// The slip in the head of a declaration, of which `rest` could not be read, if it is a known one.
+/// Diagnoses a known mistake in the head of a declaration; `rest` is the part that could not be read.
 pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
     let written = &source[rest.range()];
-    // Parameters are read, and what is wrong stands behind them.
+    // The parameters were read, so the mistake is after them.
     let behind = written.trim_start().starts_with('(').then(|| written.find(')')).flatten().map_or(0, |at| at + 1);
     let start = rest.start as usize + (written.len() - written[behind..].trim_start().len());
     let before = quote(source[item.start as usize..start].trim_end());
@@ -110,7 +111,7 @@ pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<D
     }
 }
 
-/// `task go(bot) { … }`, where `bot` is a device; the brackets end at the byte `behind` of the rest.
+/// `task go(bot) { … }`, where `bot` is a device; the brackets end at byte `behind` of the rest.
 fn device_in_brackets(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diagnostic> {
     let written = source[rest.range()][..behind].trim_start();
     let device = written.strip_prefix('(')?.strip_suffix(')')?.trim();
@@ -124,7 +125,7 @@ fn device_in_brackets(rest: Span, behind: usize, rule: Rule, source: &str) -> Op
     })
 }
 
-/// `task go(goal) on bot`, `task go(cell goal)`, `task go(goal = (1, 2))`: the first parameter that is none.
+/// `task go(goal) on bot`, `task go(cell goal)`, `task go(goal = (1, 2))`: diagnoses the first invalid parameter.
 fn parameter(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diagnostic> {
     let written = &source[rest.range()][..behind];
     let open = written.find('(').filter(|_| matches!(rule, Rule::task_rest | Rule::program_rest))? + 1;
@@ -163,45 +164,45 @@ fn parameter(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diag
     None
 }
 
-/// Whether a field begins a text: a name and its colon.
+/// Whether a text begins with a field: a name and a colon.
 fn field_of(text: &str) -> bool {
     let name = text.trim_start();
     name.split_once(':').is_some_and(|(name, _)| is_name(name.trim_end()))
 }
 
-/// A text without the article that English has before a name; `a` may be one itself.
+/// A text without the English article before a name; `a` may itself be a name.
 fn without_article(text: &str) -> &str {
     let word = token_at(text, 0);
     let rest = text[word.len()..].trim_start();
     if matches!(word, "the" | "an" | "a") && rest.starts_with(is_word) { rest } else { text }
 }
 
-/// The rest of a head, from where reading stopped.
+/// The unread rest of a head.
 struct BrokenHead<'s> {
     rest: Span,
-    /// Where its text begins.
+    /// Where `text` begins in the file.
     start: usize,
-    /// Without the blanks round it.
+    /// The rest without the spaces around it.
     text: &'s str,
-    /// The declaration up to there, as messages repeat it.
+    /// The declaration up to there, as messages quote it.
     before: String,
     source: &'s str,
 }
 
 impl BrokenHead<'_> {
-    /// A part of the text.
+    /// A span within the text.
     fn mark(&self, at: usize, length: usize) -> Span {
         part(self.rest, self.start + at, self.start + at + length)
     }
 
-    /// A slip in the first bytes of the text; `mend` is written behind what stands before it.
+    /// Diagnoses the first `length` bytes of the text; the help replaces the text with `mend`.
     fn wrong(&self, title: &str, length: usize, note: &str, mend: &str) -> Diagnostic {
         let finding = Diagnostic::new(Code::E0124, title).label(self.mark(0, length), note);
         finding.help(format!("write `{} {mend}`", self.before))
     }
 
-    /// `device bot = dimibot`, `device bot dimibot {`, `device bot : dimibot(left: 5)`, `device bot : dimibot left: 5 }`; `both` are what
-    /// the colon stands between.
+    /// `device bot = dimibot`, `device bot dimibot {`, `device bot : dimibot(left: 5)`,
+    /// `device bot : dimibot left: 5 }`; `both` names what stands on either side of the colon.
     fn of_base(&self, both: &str) -> Option<Diagnostic> {
         let note = format!("between {both} stands `:`");
         let word = token_at(self.text, 0);
@@ -246,7 +247,7 @@ impl BrokenHead<'_> {
         Some(finding.help(format!("write `{} {base} {{ {} }}`", self.before, quote(fields))))
     }
 
-    /// An article at a byte of the text.
+    /// Diagnoses an article at a byte of the text.
     fn article(&self, at: usize) -> Diagnostic {
         stops::article(self.mark(at, token_at(&self.text[at..], 0).len()), self.source)
     }
@@ -272,7 +273,7 @@ impl BrokenHead<'_> {
         Some(finding.mended(around::with_blanks(self.mark(0, length), self.source), " "))
     }
 
-    /// `task go`, `task go in bench`, `task go with bot`, and what may be wrong behind `on`.
+    /// `task go`, `task go in bench`, `task go with bot`, and mistakes after `on`.
     fn of_task(&self) -> Option<Diagnostic> {
         let word = token_at(self.text, 0);
         if word.is_empty() {
@@ -319,7 +320,7 @@ impl BrokenHead<'_> {
         self.behind_device(self.text.len() - after.len())
     }
 
-    /// `task go bot`, `task go onbot`: a name of the file without the word that belongs before it.
+    /// `task go bot`, `task go onbot`: a name declared in the file, without the word that belongs before it.
     fn lacking<'n>(&self, at: usize, before: &str, mut names: impl Iterator<Item = &'n str>) -> Option<Diagnostic> {
         let word = token_at(&self.text[at..], 0);
         let named = word.strip_prefix(before).filter(|name| !name.is_empty()).unwrap_or(word);
@@ -344,7 +345,7 @@ impl BrokenHead<'_> {
         })
     }
 
-    /// `task go { … }`: the first device of the file is the one to propose.
+    /// `task go { … }`: proposes the first device of the file.
     fn without_device(&self) -> Diagnostic {
         let device = devices(self.source).next();
         let end = self.source[..self.start].trim_end().len();
@@ -358,7 +359,7 @@ impl BrokenHead<'_> {
         }
     }
 
-    /// What stands behind the device, from a byte of the text on.
+    /// Diagnoses what follows the device, from a byte of the text on.
     fn behind_device(&self, at: usize) -> Option<Diagnostic> {
         let after = &self.text[at..];
         let word = token_at(after, 0);

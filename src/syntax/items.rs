@@ -12,7 +12,7 @@ use super::tree::{
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// The parts of a declaration, in whatever order they were met.
+/// The parts of a declaration; they may come in any order.
 #[derive(Default)]
 struct DeclarationHead<'i> {
     name: Option<Ident>,
@@ -24,7 +24,7 @@ struct DeclarationHead<'i> {
 }
 
 impl Reader<'_> {
-    /// The items of a file, and its own doc comment.
+    /// Reads the items of a file and its own doc comment.
     pub fn file(&mut self, node: Node) -> (Doc, Vec<Item>) {
         let file_doc = node.clone().into_inner().find(|child| child.as_rule() == Rule::file_docs);
         let file_doc = file_doc.and_then(|docs| self.doc(docs));
@@ -45,7 +45,8 @@ impl Reader<'_> {
         (file_doc, items)
     }
 
-    /// Whether what is no declaration is the rest of a value before it that lacks its brackets; then it is reported, and has no value.
+    /// Whether an unreadable item continues the value of the `let` before it, which lacks its brackets. If so, it is
+    /// reported and that value becomes an error.
     fn belongs_to_let(&mut self, node: &Node, last: Option<&mut Item>) -> bool {
         let Some(Item::Let(Let { value, .. })) = last else { return false };
         let Some(finding) = slips::let_without_brackets(value.span, self.span(node), self.source) else { return false };
@@ -78,7 +79,7 @@ impl Reader<'_> {
         item.unwrap_or(Item::Error(span))
     }
 
-    /// A declaration from behind its first word on.
+    /// Reads a declaration from after its first word.
     pub fn declaration(&mut self, rest: Node, doc: Doc, span: Span) -> Option<Item> {
         let rule = rest.as_rule();
         match rule {
@@ -143,7 +144,7 @@ impl Reader<'_> {
         head
     }
 
-    /// Whether the head ends with a reserved word that was reported where it was declared.
+    /// Whether the head ends with a reserved word that was already reported where it was declared.
     fn is_reserved_name(&self, rest: Span) -> bool {
         let last = self.source[rest.range()].split_whitespace().next_back().unwrap_or_default();
         let is_declared = |finding: &Diagnostic| {
@@ -160,7 +161,8 @@ impl Reader<'_> {
         Some(Parameter { name, sort, span })
     }
 
-    /// The name of a sound declaration; that of a broken one is kept separately, so that it is not reported as unknown.
+    /// The name of a valid declaration. The name of a broken one is kept in `broken_names`, so that it is not reported
+    /// as unknown.
     fn name_of(&mut self, head: &mut DeclarationHead) -> Option<Ident> {
         let name = head.name.take()?;
         if head.is_broken {

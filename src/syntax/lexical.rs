@@ -1,13 +1,13 @@
-//! Words, numbers, strings and signs: their valid forms, and the diagnostics of invalid ones.
+//! Words, numbers, strings and signs: their valid forms, and diagnostics for invalid ones.
 
 use super::cursor::Cursor;
 use super::words::{end_of_word, is_name, is_word};
 use super::{MAX_NESTING, errors, habits, slips};
 
-/// Greatest number of bytes of a name: it is repeated in every channel, file and message that uses it.
+/// Greatest number of bytes in a name: every channel, file and message that uses a name repeats it.
 pub const MAX_NAME_BYTES: usize = 200;
 
-/// A name or a word of the language.
+/// Scans a name or a word of the language.
 pub(super) fn word(cursor: &mut Cursor) {
     let (start, end) = (cursor.at, end_of_word(cursor.text, cursor.at));
     cursor.at = end;
@@ -34,7 +34,7 @@ fn is_digit_at(text: &str, at: usize) -> bool {
     text.as_bytes().get(at).is_some_and(u8::is_ascii_digit)
 }
 
-/// `/* … */`, which is blank to the grammar.
+/// Scans `/* … */`, which the grammar sees as spaces.
 pub(super) fn block_comment(cursor: &mut Cursor) {
     let start = cursor.at;
     let end = cursor.rest().find("*/").map_or_else(|| cursor.end_of_line(), |length| start + length + 2);
@@ -52,7 +52,7 @@ pub(super) fn block_comment(cursor: &mut Cursor) {
     cursor.at = end;
 }
 
-/// `# …` or `% …`, which is blank to the grammar.
+/// Scans `# …` or `% …`, which the grammar sees as spaces.
 pub(super) fn foreign_comment(cursor: &mut Cursor) {
     let (start, end) = (cursor.at, cursor.end_of_line());
     let span = cursor.span(start, start + 1);
@@ -61,7 +61,7 @@ pub(super) fn foreign_comment(cursor: &mut Cursor) {
     cursor.at = end;
 }
 
-/// A string up to its closing quote, which must stand on the same line.
+/// Scans a string up to its closing quote, which must be on the same line.
 pub(super) fn string(cursor: &mut Cursor) {
     let start = cursor.at;
     let line_end = cursor.end_of_line();
@@ -89,7 +89,7 @@ pub(super) fn string(cursor: &mut Cursor) {
     }
 }
 
-/// Where a brace of a string's inside opens and does not close.
+/// Offset of a brace inside a string that opens and does not close.
 fn open_hole(inside: &str) -> Option<usize> {
     let mut at = 0;
     while let Some(length) = inside[at..].find('{') {
@@ -106,7 +106,7 @@ fn open_hole(inside: &str) -> Option<usize> {
     None
 }
 
-/// A number or a word `0b…`; a unit may be glued to it.
+/// Scans a number or a word `0b…`; a unit may follow without a space.
 pub(super) fn number(cursor: &mut Cursor) {
     let (text, start) = (cursor.text, cursor.at);
     let word = &text[start..end_of_word(text, start)];
@@ -143,7 +143,7 @@ pub(super) fn number(cursor: &mut Cursor) {
     decimal_comma(cursor, start);
 }
 
-/// `0,8` where no list stands, read as 0.8.
+/// Scans the rest of `0,8` outside lists, and reads it as 0.8.
 fn decimal_comma(cursor: &mut Cursor, start: usize) {
     let (text, comma) = (cursor.text, cursor.at);
     if !cursor.brackets.takes_entries() || !text[comma..].starts_with(',') || !is_digit_at(text, comma + 1) {
@@ -177,20 +177,20 @@ fn bad_number(
     cursor.at = end;
 }
 
-/// Whether `.5` stands here, and not a point between names or numbers.
+/// Whether `.5` begins here, as opposed to a point between names or numbers.
 pub(super) fn is_bare_fraction(cursor: &Cursor) -> bool {
     let before = cursor.text[..cursor.at].chars().next_back();
     is_digit_at(cursor.text, cursor.at + 1) && !before.is_some_and(|c| is_word(c) || matches!(c, ']' | ')' | '.'))
 }
 
-/// `.5`.
+/// Scans `.5`.
 pub(super) fn bare_fraction(cursor: &mut Cursor) {
     let start = cursor.at;
     let end = end_of_digits(cursor.text, start + 1);
     bad_number(cursor, start, end, errors::bare_fraction);
 }
 
-/// `;`: at a line's end it is blank to the grammar, elsewhere a comma.
+/// Scans `;`: the grammar sees it as a space at the end of a line and as a comma elsewhere.
 pub(super) fn semicolon(cursor: &mut Cursor) {
     let start = cursor.at;
     let rest = cursor.text[start + 1..cursor.end_of_line()].trim_start();
@@ -206,10 +206,10 @@ pub(super) fn semicolon(cursor: &mut Cursor) {
     cursor.at += 1;
 }
 
-/// Degrees Celsius with the sign, or as one.
+/// Degrees Celsius, as two characters or as one.
 const DEGREES: &[&str] = &["°C", "℃"];
 
-/// Signs that people write for ours, and ours.
+/// Lookalike characters and their equivalents in Tweeze.
 const SPELLINGS: &[(char, &str)] = &[
     ('−', "-"),
     ('–', "-"),
@@ -226,10 +226,10 @@ const SPELLINGS: &[(char, &str)] = &[
     ('\u{a0}', " "),
 ];
 
-/// Signs of two characters that people write for ours, and ours.
+/// Foreign signs of two characters and their equivalents in Tweeze.
 const SIGN_PAIRS: &[(&str, &str)] = &[("**", "^"), ("~=", "!="), ("<>", "!=")];
 
-/// A sign; one that the language does not have is replaced by Tweeze's or covered.
+/// Scans a sign; one that the language does not have is replaced by its equivalent or covered.
 pub(super) fn sign(cursor: &mut Cursor, first: char) {
     let start = cursor.at;
     let end = start + first.len_utf8();
@@ -262,7 +262,7 @@ pub(super) fn sign(cursor: &mut Cursor, first: char) {
         cursor.at = start + unit.len();
         let span = cursor.span(start, cursor.at);
         cursor.report(errors::foreign_signs(span, unit, "degC"));
-        // The unit takes the blank before it, too.
+        // The unit is longer than the sign, so it also takes the space before it.
         match cursor.text[..start].ends_with(' ') {
             true => cursor.replace(start - 1, cursor.at, "degC"),
             false => cursor.cover(start, cursor.at),
@@ -281,7 +281,7 @@ pub(super) fn is_quote(c: char) -> bool {
     matches!(c, '“' | '”' | '„' | '‘' | '’' | '\'' | '«' | '»' | '`')
 }
 
-/// A string in other quotes; the grammar reads it in ours.
+/// Scans a string in foreign quotes; the grammar reads it in double quotes.
 fn quoted(cursor: &mut Cursor, start: usize, inside: usize) {
     let line_end = cursor.end_of_line();
     let rest = &cursor.text[inside..line_end];

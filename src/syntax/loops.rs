@@ -1,4 +1,5 @@
-//! Heads of loops in the manner of other languages: each is read as far as it can be, so that the mend is the user's own loop.
+//! Loop heads in the style of other languages; each is read as far as possible, so that the fix keeps the user's own
+//! loop.
 
 use super::around::{self, part, quote};
 use super::errors;
@@ -6,7 +7,7 @@ use super::words::{is_name, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// What is wrong with a `for` that could not be read; `closes` says that a `}` stands where its block would end.
+/// Diagnoses a `for` that could not be read; `closes` is whether a `}` stands where its block would end.
 pub(super) fn slip(span: Span, closes: bool, source: &str) -> Diagnostic {
     after_loop(span, source).or_else(|| foreign_head(span, closes, source)).unwrap_or_else(|| {
         Diagnostic::new(Code::E0122, "a `for` in the manner of another language")
@@ -15,7 +16,7 @@ pub(super) fn slip(span: Span, closes: bool, source: &str) -> Diagnostic {
     })
 }
 
-/// A loop as it should be, with something behind its braces on the same line.
+/// A valid loop that is followed by something on the line of its closing brace.
 fn after_loop(span: Span, source: &str) -> Option<Diagnostic> {
     let text = &source[span.range()];
     let (head, body) = text.split_once('{')?;
@@ -33,7 +34,8 @@ fn after_loop(span: Span, source: &str) -> Option<Diagnostic> {
     (word.starts_with(is_word)).then(|| errors::joined(part(span, end, end + behind.len() - word.len()), source))
 }
 
-/// `for (i in 0..4) {`, `for i of list {`, `for i = 0:3 {`, `for (int i = 0; i < 4; i++) {`, `for i = 1, 3 do`, `for i in 0..4` without its brace.
+/// `for (i in 0..4) {`, `for i of list {`, `for i = 0:3 {`, `for (int i = 0; i < 4; i++) {`, `for i = 1, 3 do`,
+/// `for i in 0..4` without its brace.
 fn foreign_head(span: Span, closes: bool, source: &str) -> Option<Diagnostic> {
     let start = span.start as usize;
     let line = around::after(source, start).lines().next()?.split("//").next()?;
@@ -53,12 +55,12 @@ fn foreign_head(span: Span, closes: bool, source: &str) -> Option<Diagnostic> {
     Some(match (has_brace, closes) {
         (true, _) => finding.mended_here(head),
         (false, true) => finding.mended_here(format!("{head} {{")),
-        // What ends the block is not known.
+        // The end of the block is unknown.
         (false, false) => finding,
     })
 }
 
-/// The names, `in`, and the list or range that are meant behind the `for` of another language.
+/// Translates the rest of a foreign `for` head to names, `in`, and a list or range.
 fn ours(written: &str) -> Option<String> {
     let text = written.trim().trim_end_matches(':').trim_end();
     let text = ["do", "loop"].into_iter().find_map(|end| text.strip_suffix(end)?.strip_suffix(' ')).unwrap_or(text);
@@ -80,7 +82,7 @@ fn ours(written: &str) -> Option<String> {
     Some(format!("{} in {}", names.trim(), range_of(range.trim())?))
 }
 
-/// `i = 0`, `i < 4`, `i++`.
+/// Translates `i = 0`, `i < 4`, `i++`.
 fn counting(first: &str, condition: &str, step: &str) -> Option<String> {
     let (name, first) = without_sort(first).split_once('=')?;
     let name = name.trim_end_matches(':').trim();
@@ -94,13 +96,13 @@ fn counting(first: &str, condition: &str, step: &str) -> Option<String> {
     (is_name(name) && is_plain(&range) && by_one.contains(&step)).then(|| format!("{name} in {range}"))
 }
 
-/// The sort that other languages write before a name.
+/// The text without the type or keyword that other languages write before a name.
 fn without_sort(text: &str) -> &str {
     let sorts = ["int ", "let ", "var ", "auto ", "const ", "local "];
     sorts.into_iter().find_map(|sort| text.strip_prefix(sort)).unwrap_or(text).trim_start()
 }
 
-/// A list or a range as it is, and one whose end other languages include.
+/// Translates a list or range; a list stays as it is, and an inclusive end becomes an exclusive one.
 fn range_of(written: &str) -> Option<String> {
     let call = written.strip_prefix("range(").and_then(|arguments| arguments.strip_suffix(')'));
     let range = match call.map(|arguments| arguments.split(',').map(str::trim).collect::<Vec<_>>()) {
@@ -120,7 +122,7 @@ fn range_of(written: &str) -> Option<String> {
     is_plain(&range).then_some(range)
 }
 
-/// The end of a range whose last element is given.
+/// The exclusive end of a range whose last element is given.
 fn behind(last: &str) -> String {
     last.parse::<u32>()
         .ok()
@@ -128,7 +130,7 @@ fn behind(last: &str) -> String {
         .map_or_else(|| format!("{last} + 1"), |end| end.to_string())
 }
 
-/// Whether a list or range has nothing in it that only another language knows.
+/// Whether a list or range contains only characters that Tweeze knows.
 fn is_plain(range: &str) -> bool {
     let is_known = |c: char| is_word(c) || " .,+-*/()[]".contains(c);
     !range.is_empty() && range.chars().all(is_known) && !range.ends_with("..") && !range.starts_with("..")

@@ -1,11 +1,12 @@
-//! Text to tree.
+//! Parser: text to syntax tree.
 //!
-//! Input: the text of one file. Output: its [`Tree`] and, in the sink, one diagnostic for each mistake. Promise: there is
-//! always a tree, every node's span lies in its parent's, and it contains whatever could be read around a mistake.
+//! Input: the text of one file. Output: its [`Tree`] and, in the sink, one diagnostic for each mistake. Guarantee:
+//! there is always a tree, every node's span lies in its parent's, and everything that could be read around a mistake
+//! is in it.
 //!
-//! The work is done in three passes. `scan` reads characters: it reports and covers text that no grammar rule can recover from. pest parses
-//! the rest by `grammar/*.pest`, whose lists end in rules that accept anything. The `Reader` turns pest's pairs into the
-//! tree and reports the faults of the parts that only those rules accepted.
+//! Parsing takes three passes. `scan` reads characters; it reports text that no grammar rule can recover from and
+//! covers it. pest parses the rest with `grammar/*.pest`, whose lists end in catch-all rules. The `Reader` turns pest's
+//! pairs into the tree and reports the faults in the parts that only the catch-all rules accepted.
 
 mod around;
 mod brackets;
@@ -40,17 +41,17 @@ use pest::Parser;
 use reader::Reader;
 use tree::{Expr, Tree};
 
-/// The deepest that brackets, braces and blocks may nest.
+/// Deepest nesting of brackets, braces and blocks.
 pub const MAX_NESTING: usize = 64;
 
-/// Greatest number of operators in one expression, those of the brackets around it included. With the limit of nesting it bounds the
-/// height of a tree.
+/// Greatest number of operators in one expression, including those of the enclosing brackets. Together with the nesting
+/// limit it bounds the height of a tree.
 pub const MAX_OPERATORS: usize = 256;
 
-/// Greatest number of findings that a pass keeps of one text; the sink shows fewer.
+/// Greatest number of findings that a pass keeps for one text; the sink shows fewer.
 const MAX_FINDINGS: usize = 4 * MAX_DIAGNOSTICS;
 
-/// Reads one file.
+/// Parses one file.
 pub fn parse(file: FileId, text: &str, sink: &mut Sink) -> Tree {
     if let Some(at) = text.find('\r').filter(|_| !text.contains('\n')).filter(|at| at + 1 < text.len()) {
         sink.push(slips::carriage_returns(Span::new(file, 0, at)));
@@ -71,7 +72,7 @@ pub fn parse(file: FileId, text: &str, sink: &mut Sink) -> Tree {
     Tree { file, doc, items, broken_names }
 }
 
-/// Reads one value, as in `--set pitch=80um`; `None` if a diagnostic was pushed.
+/// Parses one value, as in `--set pitch=80um`; `None` if a diagnostic was pushed.
 pub fn parse_value(file: FileId, text: &str, sink: &mut Sink) -> Option<Expr> {
     let scanned = scan::scan(file, text);
     let mut reader = Reader::new(file, text, &scanned.text, scanned.findings);

@@ -1,6 +1,6 @@
-//! From pest's pairs to the tree: the shared parts of the walk.
+//! Turns pest's pairs into the tree: the shared parts of the walk.
 //!
-//! Input: the pairs of one text. Output: nodes of the tree with owned spans, and findings. Promise: a finding for every
+//! Input: the pairs of one text. Output: tree nodes with owned spans, and findings. Guarantee: one finding for every
 //! mark that the grammar left where it recovered from a mistake, and none for text that `scan` has covered.
 
 use super::cursor::HOLE;
@@ -11,7 +11,7 @@ use super::{MAX_FINDINGS, errors};
 use crate::diagnostic::{Code, Diagnostic, Sink};
 use crate::source::{FileId, Span};
 
-/// So many unreadable lines, and no other, make no program.
+/// Least number of unreadable items, with no readable one, at which a file is not taken for a program.
 const FOREIGN_LINES: usize = 5;
 
 /// The length of `///` and of `//!`.
@@ -22,12 +22,12 @@ const DOC_MARK_BYTES: usize = 3;
 pub(super) struct FragmentOrigin<'s> {
     file: FileId,
     source: &'s str,
-    /// Where in the text the fragment begins.
+    /// Offset in the text at which the fragment begins.
     pub base: usize,
 }
 
 impl FragmentOrigin<'_> {
-    /// The place of a node, widened to whole characters: the scan may have put a short spelling over a long character.
+    /// The span of a node, widened to whole characters: the scan may have put a short spelling over a long character.
     pub fn span(self, node: &Node) -> Span {
         let span = node.as_span();
         let start = self.source.floor_char_boundary(self.base + span.start());
@@ -39,19 +39,19 @@ impl FragmentOrigin<'_> {
 /// Walks the pairs of one text.
 pub(super) struct Reader<'s> {
     pub file: FileId,
-    /// The whole text as it was written, for messages.
+    /// The whole text as written, for messages.
     pub source: &'s str,
     /// The whole text, with holes over unreadable parts.
     pub text: &'s str,
     pub origin: FragmentOrigin<'s>,
     pub findings: Vec<Diagnostic>,
-    /// Where the doc comments begin that belong to a declaration, in order.
+    /// Offsets of the doc comments that belong to a declaration, in order.
     pub attached_docs: Vec<usize>,
     /// The names that unreadable declarations would have declared.
     pub broken_names: Vec<Ident>,
-    /// The operators of the expressions that are open.
+    /// Number of operators in the expressions that are open.
     pub operators: usize,
-    /// Where a step ends of which one finding covers all.
+    /// Offset up to which entries are already covered by one finding about a whole step.
     pub passed: u32,
 }
 
@@ -76,7 +76,7 @@ impl<'s> Reader<'s> {
         }
     }
 
-    /// Whether a further finding would not be kept.
+    /// Whether a further finding would be dropped.
     pub fn is_full(&self) -> bool {
         self.findings.len() >= MAX_FINDINGS
     }
@@ -85,14 +85,14 @@ impl<'s> Reader<'s> {
         self.origin.span(node)
     }
 
-    /// The node's children without comments and marks; marks are reported in passing.
+    /// The node's children without comments and marks; marks are reported on the way.
     pub fn children<'i>(&mut self, node: Node<'i>) -> Vec<Node<'i>> {
         let mut children: Vec<Node> = node.into_inner().collect();
         children.retain(|child| !self.is_mark(child));
         children
     }
 
-    /// Whether a node stands for what is missing or of no matter; what is missing is reported.
+    /// Whether a node is a mark or irrelevant; a mark for something missing is reported.
     pub fn is_mark(&mut self, node: &Node) -> bool {
         let finding: fn(Span, &str) -> Diagnostic = match node.as_rule() {
             Rule::comment_text | Rule::stray_doc | Rule::file_docs => return true,
@@ -114,7 +114,7 @@ impl<'s> Reader<'s> {
         Ident { text: node.as_str().to_owned(), span: self.span(node) }
     }
 
-    /// A word that gets a name here, and so must not be a reserved one.
+    /// Reads a name that is declared here and so must not be reserved.
     pub fn declared(&mut self, node: &Node) -> Ident {
         let ident = self.ident(node);
         if RESERVED.contains(&ident.text.as_str()) {
@@ -123,7 +123,7 @@ impl<'s> Reader<'s> {
         ident
     }
 
-    /// The text of doc comments of the next node.
+    /// Reads the doc comments of the next node.
     pub fn doc(&mut self, node: Node) -> Doc {
         let mut lines = Vec::new();
         for line in node.into_inner().filter(|line| line.as_rule() == Rule::doc_text) {
@@ -134,7 +134,7 @@ impl<'s> Reader<'s> {
         (!lines.is_empty()).then(|| lines.join("\n"))
     }
 
-    /// A place where a value should stand and none does.
+    /// Reports a missing value, and returns an error expression in its place.
     pub fn missing(&mut self, node: &Node) -> Expr {
         let span = self.span(node);
         let finding = errors::missing_value(span, self.source);
@@ -142,7 +142,7 @@ impl<'s> Reader<'s> {
         Expr { kind: ExprKind::Error, span }
     }
 
-    /// The doc comments that belong to no declaration.
+    /// Reports the doc comments that belong to no declaration.
     pub fn misplaced_docs(&mut self, docs: &[Span]) {
         self.attached_docs.sort_unstable();
         for &doc in docs {
@@ -152,9 +152,9 @@ impl<'s> Reader<'s> {
         }
     }
 
-    /// One finding instead of one for each line of a file that is no program at all.
+    /// Replaces the findings of a file that is not a program at all by a single one.
     pub fn shorten(&mut self, items: &[Item]) {
-        // A broken declaration keeps its name: then it is a program.
+        // If a broken declaration has kept its name, the file is a program.
         let is_foreign = items.len() >= FOREIGN_LINES && self.broken_names.is_empty();
         let is_foreign = is_foreign && items.iter().all(|item| matches!(item, Item::Error(_)));
         let first = self.findings.iter().find(|finding| finding.code == Code::E0101).and_then(Diagnostic::span);
@@ -163,7 +163,7 @@ impl<'s> Reader<'s> {
         }
     }
 
-    /// Hands the findings on; whether there is an error among them.
+    /// Passes the findings on to the sink; returns whether there is an error among them.
     pub fn tell(self, sink: &mut Sink) -> bool {
         let mut findings = self.findings;
         findings.sort_by_key(|finding| finding.span().map(|span| span.start));
@@ -174,7 +174,7 @@ impl<'s> Reader<'s> {
         has_error
     }
 
-    /// Whether the scan has already reported something in this node.
+    /// Whether the scan has already reported something inside this node.
     pub fn has_hole(node: &Node) -> bool {
         node.as_str().contains(HOLE)
     }

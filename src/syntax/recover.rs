@@ -1,4 +1,4 @@
-//! Fragments that no rule could read: their diagnostics, and the parts that can be saved.
+//! Fragments that no rule could read: their diagnostics, and the parts that can be recovered.
 
 use super::around;
 use super::errors::{self, ListPlace};
@@ -18,7 +18,7 @@ use crate::source::Span;
 use pest::Parser;
 use pest::error::{ErrorVariant, InputLocation};
 
-/// The words that begin a declaration, and the rule for what follows each.
+/// The words that begin a declaration, with the rule for what follows each.
 const ITEMS: [(&str, Rule); 9] = [
     ("use", Rule::use_rest),
     ("let", Rule::let_rest),
@@ -31,17 +31,17 @@ const ITEMS: [(&str, Rule); 9] = [
     ("wiring", Rule::wiring_rest),
 ];
 
-/// Steps that every kind of device knows: a second one of them on a line is a second step.
+/// Steps that every kind of device has: a second one on a line begins a second step.
 const COMMON_HEADS: [&str; 10] =
     ["run", "wait", "pulse", "set", "together", "assay", "minimize", "require", "using", "start"];
 
-/// The words by which a file is taken, here and in other languages.
+/// Words that import a file, here and in other languages.
 const USES: [&str; 4] = ["use", "import", "include", "from"];
 
 /// Greatest number of wrong letters in a misspelt word.
 const MISSPELT: usize = 2;
 
-/// The declaration's word that someone may have meant.
+/// The declaration word that was probably meant.
 fn meant(word: &str) -> Option<(&'static str, Rule)> {
     let word = word.to_lowercase();
     let distance = |item: &(&str, Rule)| strsim::osa_distance(&word, item.0);
@@ -67,7 +67,7 @@ impl Reader<'_> {
         }
         let finding = match word {
             "for" if place != ListPlace::Fields => {
-                // What its body would call the counter is no further mistake.
+                // Uses of the loop's counter in its body must not be reported as well.
                 self.keep_name(span);
                 let closes = self.rest_of_loop(span);
                 loops::slip(span, closes, self.source)
@@ -82,8 +82,8 @@ impl Reader<'_> {
         self.report(finding);
     }
 
-    /// Passes by what else stands on the line of a loop that could not be read, and by the `}` of a block that it did not open;
-    /// whether there is one.
+    /// Skips the rest of the line of an unreadable loop, and the `}` of a block that it did not open; returns whether
+    /// there is such a `}`.
     fn rest_of_loop(&mut self, span: Span) -> bool {
         let line = &self.source[span.start as usize..];
         let line = line.lines().next().unwrap_or_default();
@@ -93,7 +93,8 @@ impl Reader<'_> {
         !self.source[span.range()].contains('{') && !line.contains('{') && self.forget_stray_brace(span.end)
     }
 
-    /// Drops the finding about the first `}` behind a place, where a `{` is missing that it would close; whether there is one.
+    /// Drops the finding about the first `}` after a position where the matching `{` is missing; returns whether there
+    /// was one.
     pub fn forget_stray_brace(&mut self, behind: u32) -> bool {
         let is_stray = |finding: &Diagnostic| {
             finding.code == Code::E0112
@@ -102,7 +103,7 @@ impl Reader<'_> {
         self.findings.iter().position(is_stray).map(|stray| self.findings.remove(stray)).is_some()
     }
 
-    /// Reports words that no declaration begins with; a declaration whose first word is misspelt is read all the same.
+    /// Reports words that begin no declaration; a declaration whose first word is misspelt is still read.
     pub fn bad_item(&mut self, node: &Node, doc: Doc) -> Option<Item> {
         let span = self.trimmed(node);
         let text = &self.source[span.range()];
@@ -195,7 +196,7 @@ impl Reader<'_> {
         self.report(finding);
     }
 
-    /// The rest after a misspelt first word, if it is a whole declaration.
+    /// Reads what follows a misspelt first word, if it is a whole declaration.
     fn read_rest(&mut self, rule: Rule, span: Span, skip: usize, doc: Doc) -> Option<Item> {
         let start = span.start as usize + skip;
         let rest = &self.text[start..span.end as usize];
@@ -210,14 +211,15 @@ impl Reader<'_> {
         item
     }
 
-    /// Keeps the name that a declaration has once it is mended, where it cannot be a name as it is.
+    /// Keeps the corrected name of a declaration whose written name is invalid.
     pub fn keep_mended_name(&mut self, finding: &Diagnostic) {
         if let (Code::E0110, [SourceEdit { span, text }]) = (finding.code, finding.mend.as_slice()) {
             self.broken_names.push(Ident { text: text.clone(), span: *span });
         }
     }
 
-    /// Keeps the name that a broken declaration would have declared: its second word, its first before a `=`, or the last of a `use`.
+    /// Keeps the name that a broken declaration would have declared: its second word, the word before a `=`, or the
+    /// last word of a `use`.
     fn keep_name(&mut self, span: Span) {
         let text = &self.source[span.range()];
         let first = around::token_at(text, 0);
@@ -239,7 +241,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Keeps the name in an object that has a word too many before it.
+    /// Keeps the name of an object that has a superfluous word before it.
     pub fn keep_name_behind(&mut self, object: Span) {
         let text = &self.source[object.range()];
         let Some(word) = text.split([' ', '\t']).filter(|word| !word.is_empty()).nth(2) else { return };
@@ -248,7 +250,7 @@ impl Reader<'_> {
         self.broken_names.push(Ident { text: name.to_owned(), span: around::part(object, at, at + name.len()) });
     }
 
-    /// Reports a construct of another language as one mistake, whatever else is wrong inside of it.
+    /// Reports a construct of another language as one mistake and drops the findings inside it.
     pub fn foreign_word(&mut self, length: usize, span: Span) {
         self.forget_within(span);
         let word = &self.source[span.range()][..length];
@@ -262,7 +264,7 @@ impl Reader<'_> {
         self.report(finding);
     }
 
-    /// Drops the findings inside of a span, and of the `;` behind it.
+    /// Drops the findings inside a span and those about a `;` after it.
     pub fn forget_within(&mut self, span: Span) {
         let rest = &self.source[span.end as usize..];
         let behind = rest.len() - rest.trim_start_matches([' ', '\t', ';']).len();
@@ -270,12 +272,12 @@ impl Reader<'_> {
         self.findings.retain(|finding| !finding.span().is_some_and(|place| span.contains(place)));
     }
 
-    /// Drops the findings of a code inside of a span.
+    /// Drops the findings of one code inside a span.
     pub fn forget_code(&mut self, code: Code, span: Span) {
         self.findings.retain(|finding| finding.code != code || finding.span().is_none_or(|at| !span.contains(at)));
     }
 
-    /// The finding for a fragment of which only its place is known: where parsing stopped and what was expected there.
+    /// General finding for an unreadable fragment: where parsing stopped and what was expected there.
     fn diagnose(&mut self, span: Span, place: ListPlace) -> Diagnostic {
         let text = &self.source[span.range()];
         if let Some(slip) = slips::entry(span, place, self.source) {
@@ -316,7 +318,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Where reading a fragment stops, and whether a value is wanted there.
+    /// Where parsing of a fragment stops, and whether a value was expected there.
     fn stop(&self, rule: Rule, span: Span) -> Option<(usize, bool)> {
         let text = &self.text[span.range()];
         let error = Grammar::parse(rule, text).err()?;
@@ -341,7 +343,7 @@ impl Reader<'_> {
         around::part(span, self.source.floor_char_boundary(start), self.source.ceil_char_boundary(code.max(start)))
     }
 
-    /// For a text that pest gave up on.
+    /// Result for a text that pest gave up on.
     pub fn unreadable(&mut self) -> (Doc, Vec<Item>) {
         let whole = Span::new(self.file, 0, self.text.len());
         if self.findings.is_empty() {
@@ -350,7 +352,7 @@ impl Reader<'_> {
         (None, vec![Item::Error(whole)])
     }
 
-    /// For a value that is none.
+    /// Result for a text that is not a value.
     pub fn no_value(&mut self) -> Option<Expr> {
         if self.findings.is_empty() {
             let whole = Span::new(self.file, 0, self.text.len());
@@ -360,12 +362,13 @@ impl Reader<'_> {
     }
 }
 
-/// Whether a text ends with a sign that demands a value.
+/// Whether a text ends with a sign that must be followed by a value.
 fn wants_more(text: &str) -> bool {
     text.ends_with(['+', '-', '*', '/', '^', '<', '>', '=', ':'])
 }
 
-/// Where a second step begins on a line: at a word that began the first, or that begins one on every device.
+/// Where a second step begins on a line: at the word that began the first, or at one that begins a step on every
+/// device.
 fn second_step(text: &str) -> Option<usize> {
     let head = around::token_at(text, 0);
     let line = text.lines().next().unwrap_or("");
@@ -386,7 +389,7 @@ fn second_step(text: &str) -> Option<usize> {
     None
 }
 
-/// The name of a field whose colon is missing: a word, blanks, and a value.
+/// The name of a field whose colon is missing: a word, spaces, and a value.
 pub(super) fn field_without_colon(text: &str) -> Option<&str> {
     let name = around::token_at(text, 0);
     let rest = &text[name.len()..];
@@ -395,12 +398,13 @@ pub(super) fn field_without_colon(text: &str) -> Option<&str> {
     (name.starts_with(is_word) && value.len() < rest.len() && is_value).then_some(name)
 }
 
-/// The first field of a value such as `disc { radius 1 um }` in a text, where its colon is missing, and where it begins.
+/// The first field inside a value such as `disc { radius 1 um }` that lacks its colon, with the offset at which it
+/// begins.
 fn value_without_colon(text: &str) -> Option<(usize, &str)> {
     text.match_indices('{').find_map(|(brace, _)| {
         let before = text[..brace].trim_end();
         let head = before.trim_end_matches(|c| is_word(c) || c == '.');
-        // A brace has fields behind what something is, `a : disc {`, but steps, objects or rows elsewhere.
+        // After `a : disc {` a brace holds fields; elsewhere it holds steps, objects or rows.
         let has_fields = head.len() < before.len()
             && head.trim_end().ends_with([':', '='])
             && !matches!(&before[head.len()..], "table");
@@ -411,7 +415,7 @@ fn value_without_colon(text: &str) -> Option<(usize, &str)> {
     })
 }
 
-/// The bracket that is open at the end of a text.
+/// The innermost bracket that is open at the end of a text.
 fn open_bracket(text: &str) -> Option<char> {
     let mut open = Vec::new();
     for c in text.chars() {

@@ -1,15 +1,15 @@
-//! A habit of the hand, such as `;` behind each line, is one finding with all its places, and not one for each.
+//! Merges repeated findings: a habit such as `;` at every line end is one finding with all its places.
 
 use crate::diagnostic::{Code, Diagnostic, Label};
 use std::collections::BTreeMap;
 
-/// Most places of a habit that its finding points to.
+/// Greatest number of places that a merged finding points to.
 const MAX_PLACES: usize = 4;
 
-/// Findings in the order of their places; signs of other languages that are mended alike are joined with the first of them.
+/// Merges findings about the same foreign sign into the first of them. The findings are in the order of their places.
 pub(super) fn joined(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let mut kept: Vec<Diagnostic> = Vec::with_capacity(findings.len());
-    // Where each habit stands among those that are kept, and how often it was met since.
+    // For each habit, the index of its finding in `kept` and the number of repetitions since.
     let mut habits: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     for finding in findings {
         if !is_habit(&finding) {
@@ -39,7 +39,7 @@ pub(super) fn joined(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
     kept
 }
 
-/// Whether a finding is about a sign that people write as often as they need one, and its mend is known.
+/// Whether a finding is about a foreign sign that people repeat and whose fix is known.
 fn is_habit(finding: &Diagnostic) -> bool {
     matches!(finding.code, Code::E0104 | Code::E0119) && finding.labels.len() == 1 && !finding.mend.is_empty()
 }

@@ -1,9 +1,10 @@
-//! Characters, before the grammar reads them.
+//! Character scan before parsing.
 //!
-//! Input: the text of a file. Output: the same text, of the same length and in the same places, in which text that no rule can recover from
-//! is covered with [`super::cursor::HOLE`], spellings of other languages are replaced by Tweeze's, and a line end after which a forgotten
-//! `}` is assumed is a [`super::cursor::CUT`]; with it the findings and the places of the doc comments. Promise: brackets in the returned
-//! text pair up, apart from braces that a cut or the end closes, and nest at most [`super::MAX_NESTING`] deep.
+//! Input: the text of a file. Output: a text of the same length, with the findings and the places of the doc comments.
+//! In that text, parts that no rule can recover from are covered with [`super::cursor::HOLE`], foreign spellings are
+//! replaced by Tweeze's, and a line end after which a forgotten `}` is assumed is a [`super::cursor::CUT`]; offsets do
+//! not change. Guarantee: brackets in the returned text match, apart from braces that a cut or the end closes, and nest
+//! at most [`super::MAX_NESTING`] deep.
 
 use super::cursor::Cursor;
 use super::habits;
@@ -21,7 +22,7 @@ pub(super) struct Scanned<'t> {
     pub docs: Vec<Span>,
 }
 
-/// Reads the characters of a text.
+/// Scans the characters of a text.
 pub(super) fn scan(file: FileId, text: &str) -> Scanned<'_> {
     let mut cursor = Cursor::new(file, text);
     cursor.byte_order_mark();
@@ -56,7 +57,7 @@ impl Cursor<'_> {
             '/' if self.rest().starts_with("//") => return self.comment(),
             '/' if self.rest().starts_with("/*") => return lexical::block_comment(self),
             '#' => return lexical::foreign_comment(self),
-            // A unit elsewhere, but no line and no block begins with one.
+            // Elsewhere `%` is a unit, but no line or block begins with one.
             '%' if self.is_line_start || self.last == b'{' => return lexical::foreign_comment(self),
             _ => {}
         }
@@ -84,7 +85,7 @@ impl Cursor<'_> {
         self.line_end = None;
     }
 
-    /// The bars around a row, and the line under a header, as in Markdown: blank to the grammar.
+    /// Scans the outer bars of a row or the rule under a header, as in Markdown; the grammar sees them as spaces.
     fn outer_bars(&mut self) -> bool {
         let line = self.text[self.at..self.end_of_line()].trim_end();
         if line.len() < 2 || !line.ends_with('|') {
@@ -102,7 +103,7 @@ impl Cursor<'_> {
         true
     }
 
-    /// A blank to the grammar, wherever it stands.
+    /// Scans a CR; the grammar sees it as a space everywhere.
     fn carriage_return(&mut self) {
         self.replace(self.at, self.at + 1, "");
         self.at += 1;

@@ -1,5 +1,5 @@
-//! Slips of the pen that are known by their shape: each gets one diagnostic with the mend, where the general ones could only name the
-//! place at which reading stopped.
+//! Slips that are recognised by their shape. Each gets one diagnostic with its fix, where the general ones could only
+//! name the place at which parsing stopped.
 
 use super::around::{self, part, quote, token_at};
 use super::errors::ListPlace;
@@ -9,7 +9,7 @@ use super::words::{PREPOSITIONS, end_of_word, is_name, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// The slip that an unreadable entry of a block is, if it is a known one.
+/// Diagnoses an unreadable entry of a block, if it is a known slip.
 pub(super) fn entry(span: Span, place: ListPlace, source: &str) -> Option<Diagnostic> {
     let text = &source[span.range()];
     if let Some(finding) = foreign_comment(span, text) {
@@ -25,7 +25,7 @@ pub(super) fn entry(span: Span, place: ListPlace, source: &str) -> Option<Diagno
     }
 }
 
-/// `out = card.ao0`, which was read as a field: no field of a wiring is an output.
+/// `out = card.ao0`, which was read as a field: no field of a wiring has an output as its value.
 pub(super) fn equals_in_wire(field: &Field, source: &str) -> Option<Diagnostic> {
     let between = part(field.span, field.name.span.end as usize, field.value.span.start as usize);
     let sign = source[between.range()].trim();
@@ -51,9 +51,9 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
     let rest = text[channel..].trim_start();
     let sign = ["->", "=>", ":=", ":", "="].into_iter().find(|sign| rest.starts_with(sign))?;
     let output = rest[sign.len()..].trim();
-    // The letter before the quotes of other languages.
+    // String prefixes of other languages.
     let bare = output.strip_prefix(['f', 'r', 'b']).filter(|bare| bare.starts_with('"')).unwrap_or(output);
-    // An output of an instrument stands as it is, `card.port0.line3 { … }`.
+    // An output of an instrument is written without quotes: `card.port0.line3 { … }`.
     let path = output.split([' ', '\t', '{']).next().unwrap_or_default();
     let is_path = path.contains('.') && path.chars().all(|c| is_word(c) || matches!(c, '.' | '[' | ']'));
     // `card.port0.line(2 * i) { … }`
@@ -66,7 +66,7 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
         false if is_indexed => format!("{}{fields}", written.replace('(', "[").replace(')', "]")),
         false => format!("\"{output}\""),
     };
-    // What is no single word may be a path with a slip in it: in quotes it would be a name, and lead to no instrument.
+    // Several words may be a path with a slip in it; quoted, it would be a plain name and lead to no instrument.
     let is_sure =
         is_path || is_indexed || bare.starts_with('"') || output.chars().all(|c| is_word(c) || "/-".contains(c));
     let mend = match is_sure {
@@ -105,17 +105,17 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
     })
 }
 
-/// `… -- the supply` or `… % the supply` behind an entry.
+/// `… -- the supply` or `… % the supply` after an entry.
 pub(super) fn foreign_comment(span: Span, text: &str) -> Option<Diagnostic> {
     let line = text.lines().next().unwrap_or_default();
     let found = ["--", "%"].into_iter().filter_map(|mark| {
         let at = line.match_indices(mark).map(|(at, _)| at).find(|at| {
             let before = &line[..*at];
-            // A unit behind a number, or a remainder of names.
+            // `%` may also be a unit after a number, or a remainder of names.
             let words = line[at + mark.len()..].trim();
             let are_words = words.contains(' ') && words.chars().all(|c| c.is_alphabetic() || " ,.".contains(c));
             let is_unit = before.trim_end().ends_with(|c: char| c.is_ascii_digit());
-            // Behind a quantity, as in `wait 5 ms % settle`, nothing is left over.
+            // After a quantity, as in `wait 5 ms % settle`, it is neither.
             let mut last = before.trim_end().rsplit([' ', '\t']);
             let is_name = last.next().is_some_and(|unit| unit.ends_with(is_word));
             let is_quantity =
@@ -129,7 +129,7 @@ pub(super) fn foreign_comment(span: Span, text: &str) -> Option<Diagnostic> {
     Some(comment_behind(span, span.start as usize + at, mark, line[at + mark.len()..].trim()))
 }
 
-/// A comment that begins at a byte with the mark of another language, and its words.
+/// A comment that begins at a byte with a foreign mark; `words` is its text.
 fn comment_behind(span: Span, at: usize, mark: &str, words: &str) -> Diagnostic {
     Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
         .label(part(span, at, at + mark.len()), "comments begin with `//`")
@@ -160,7 +160,8 @@ fn object_name(span: Span, text: &str) -> Option<Diagnostic> {
     )
 }
 
-/// `part part m1 …`, `obstacle the dust …`: a word too many before a name, and the line of it.
+/// `part part m1 …`, `obstacle the dust …`: a superfluous word before a name. Returns the finding and the span of the
+/// line.
 pub(super) fn word_before_name(span: Span, source: &str) -> Option<(Diagnostic, Span)> {
     let start = span.start as usize;
     let line = around::after(source, start).lines().next().unwrap_or_default();
@@ -209,7 +210,7 @@ pub(super) fn object_without_at(span: Span, text: &str) -> Option<Diagnostic> {
     })
 }
 
-/// `obstacle bead at (4 um, 2 um) : disc { … }`, with the shape behind its place.
+/// `obstacle bead at (4 um, 2 um) : disc { … }`, with the shape after its place.
 fn shape_behind_place(span: Span, text: &str) -> Option<Diagnostic> {
     let line = text.lines().next()?.trim_end();
     let at = line.find(" at ")?;
@@ -229,7 +230,7 @@ fn shape_behind_place(span: Span, text: &str) -> Option<Diagnostic> {
     )
 }
 
-/// Where the value begins that ends a line, after `to`, `at`, `from`, `via` or `visit`.
+/// Where the value at the end of a line begins, after `to`, `at`, `from`, `via` or `visit`.
 fn places_from(before: &str) -> Option<usize> {
     let seen = before.len() - around::before(before, before.len()).len();
     let line = before[seen..].rfind('\n').map_or(seen, |end| seen + end + 1);
@@ -240,8 +241,8 @@ fn places_from(before: &str) -> Option<usize> {
     is_value.then(|| before.len() - value.len())
 }
 
-/// Coordinates or places side by side without a bracket around them, of which an unreadable entry is the rest, as in
-/// `move to 19, 28`.
+/// Coordinates or places without brackets around them, as in `move to 19, 28`, where the unreadable entry is their
+/// second part.
 pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
     let is_value = source[span.range()].starts_with(|c: char| c.is_ascii_digit() || c == '(');
     let before = source[..span.start as usize].trim_end_matches([' ', '\t']).strip_suffix(',').filter(|_| is_value)?;
@@ -283,7 +284,7 @@ pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
     })
 }
 
-/// `via (3, 9), (8, 3)` with the word before each place.
+/// Help for `via (3, 9), (8, 3)`: the word belongs before each place.
 fn repeated_via(places: &str) -> String {
     format!("write `via` before each of them: `via {}`", quote(&places_with_via(places)))
 }
@@ -292,7 +293,7 @@ fn places_with_via(places: &str) -> String {
     places.replace("),", ") via ").replace("  ", " ")
 }
 
-/// `let k = 5, 4`, of which `rest` was read as a declaration of its own; `value` is what stands before the comma.
+/// `let k = 5, 4`, where `rest` was read as a separate declaration; `value` is the part before the comma.
 pub(super) fn let_without_brackets(value: Span, rest: Span, source: &str) -> Option<Diagnostic> {
     let between = source.get(value.end as usize..rest.start as usize)?;
     let is_value = source[rest.range()].starts_with(|c: char| c.is_ascii_digit() || matches!(c, '(' | '[' | '-'));
@@ -330,7 +331,7 @@ pub(super) fn sort_of_let(span: Span, text: &str) -> Option<Diagnostic> {
     )
 }
 
-/// `set light to on`, or `set light on`: `on` stands before the device of a task.
+/// `set light to on`, or `set light on`: `on` is reserved for the device of a task.
 pub(super) fn level_on(step: Span, source: &str) -> Option<Diagnostic> {
     let text = source[step.range()].trim_end();
     let words: Vec<&str> = text.split_whitespace().collect();
@@ -358,7 +359,7 @@ pub(super) fn blank_in_name(span: Span, text: &str) -> Option<Diagnostic> {
     })
 }
 
-/// What stopped reading inside a value: a remainder as in `19 % 4`, `=<`, the name of an argument, a missing comma.
+/// Diagnoses what stopped parsing inside a value: a remainder as in `19 % 4`, `=<`, a named argument, a missing comma.
 pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) -> Option<Diagnostic> {
     let token = token_at(&source[..span.end as usize], at);
     let place = part(span, at, at + token.len());
@@ -407,7 +408,7 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
     open.filter(|open| matches!(open, '(' | '[')).and_then(|open| missing_comma(span, at, open, source))
 }
 
-/// `(4.0 um 2.5 um)`, in a bracket that is open at `at`.
+/// `(4.0 um 2.5 um)`, in a bracket that is open at byte `at`.
 fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diagnostic> {
     let rest = around::after(source, at);
     let is_number = rest.starts_with(|c: char| c.is_ascii_digit());
@@ -427,7 +428,7 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
         return Some(finding);
     }
     let close = if open == '(' { ')' } else { ']' };
-    // Behind a comment there may be nothing of the place that is blamed.
+    // After a comment, the blamed place may contain none of its own text.
     let own = source.get(span.start as usize..before).unwrap_or_default();
     let start = own.rfind(open).map(|start| span.start as usize + start);
     if start.is_some_and(|start| source[start + open.len_utf8()..before].trim().is_empty()) {
@@ -447,7 +448,7 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
     )
 }
 
-/// `state [1 1 0]`, the arms of a control state as a vector.
+/// `state [1 1 0]`: the arms of a control state written as a vector.
 fn state_in_brackets(span: Span, before: usize, open: char, source: &str) -> Option<Diagnostic> {
     let start = before - around::before(source, before).len();
     let begun = start + source[start..before].rfind(open)?;
@@ -468,7 +469,7 @@ fn state_in_brackets(span: Span, before: usize, open: char, source: &str) -> Opt
     )
 }
 
-/// `move(to (1, 1))`, where reading stopped at the preposition.
+/// `move(to (1, 1))`, where parsing stopped at the preposition.
 fn step_in_brackets(span: Span, at: usize, token: &str, source: &str) -> Option<Diagnostic> {
     PREPOSITIONS.contains(&token).then_some(())?;
     let seen = around::before(source, at);
@@ -500,7 +501,7 @@ pub(super) fn device_without_kind(span: Span, text: &str) -> Option<Diagnostic> 
     })
 }
 
-/// `/ …` or `-- …` at the head of a line.
+/// `/ …` or `-- …` at the beginning of a line.
 pub(super) fn comment(span: Span, text: &str) -> Option<Diagnostic> {
     let mark = ["--", "/"].into_iter().find(|mark| text.starts_with(mark))?;
     let words = text.trim_start_matches(['-', '/']).trim();
@@ -523,7 +524,7 @@ pub(super) fn field_outside(span: Span, text: &str) -> Option<Diagnostic> {
     })
 }
 
-/// A head whose block has a `}` and no `{`.
+/// A head whose block has a `}` but no `{`.
 pub(super) fn missing_brace(mark: Span, head: &str) -> Diagnostic {
     let finding = Diagnostic::new(Code::E0124, "`{` is missing").label(mark, "a block begins behind this");
     if head.ends_with('{') {
@@ -532,7 +533,7 @@ pub(super) fn missing_brace(mark: Span, head: &str) -> Diagnostic {
     finding.help(format!("write `{} {{`", quote(head))).mended(mark.after(), " {")
 }
 
-/// `0,8` where a point belongs.
+/// `0,8` with a comma in place of the decimal point.
 pub(super) fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     Diagnostic::new(Code::E0116, format!("a decimal comma in `{}`", quote(written)))
         .label(span, "numbers take a point")
@@ -540,7 +541,8 @@ pub(super) fn decimal_comma(span: Span, written: &str) -> Diagnostic {
         .mended_here(written.replacen(',', ".", 1))
 }
 
-/// The commas in numbers such as those of `(3,2 um, 5,9 um)`: without a blank behind a bare number, and a unit behind the digits.
+/// The decimal commas in a place such as `(3,2 um, 5,9 um)`: each follows a whole number without a unit, has no space
+/// around it, and precedes digits with a unit.
 pub(super) fn decimal_commas(values: &[Expr], source: &str) -> Vec<Span> {
     let is_whole =
         |value: &Expr| matches!(&value.kind, ExprKind::Number(digits) if digits.bytes().all(|b| b.is_ascii_digit()));
@@ -563,7 +565,7 @@ pub(super) fn comma_coordinates(place: Span, commas: &[Span], source: &str) -> D
     commas.iter().fold(finding, |finding, comma| finding.mended(*comma, "."))
 }
 
-/// `1,000`, which may be a thousand or one.
+/// `1,000`, which may mean a thousand or one.
 pub(super) fn thousands_comma(span: Span, written: &str) -> Diagnostic {
     let [thousand, one] = ["", "."].map(|sign| written.replacen(',', sign, 1));
     Diagnostic::new(Code::E0116, format!("a comma in the number `{}`", quote(written)))
@@ -571,7 +573,7 @@ pub(super) fn thousands_comma(span: Span, written: &str) -> Diagnostic {
         .help(format!("write `{}` or `{}`", quote(&thousand), quote(&one)))
 }
 
-/// `task fetch on bot:`, with a block by indentation or one that `}` closes; `mark` is the colon, `head` the line.
+/// `task fetch on bot:`, with a block that is indented or closed by `}`; `mark` is the colon, `head` the line.
 pub(super) fn colon_for_brace(mark: Span, head: &str) -> Diagnostic {
     let head = head.trim_end_matches(':').trim_end();
     Diagnostic::new(Code::E0124, "`:` where `{` belongs")
@@ -579,14 +581,14 @@ pub(super) fn colon_for_brace(mark: Span, head: &str) -> Diagnostic {
         .help(format!("write `{} {{`, and `}}` where the block ends", quote(head)))
 }
 
-/// A file whose lines end in CR alone.
+/// A file whose lines end in CR only.
 pub(super) fn carriage_returns(first: Span) -> Diagnostic {
     Diagnostic::new(Code::E0118, "the lines of this file end in a carriage return alone")
         .label(first, "the whole file reads as one line")
         .help("save it with LF or CRLF at the line ends")
 }
 
-/// A file in which nothing is of the language.
+/// A file that contains no Tweeze at all.
 pub(super) fn not_a_program(first: Span) -> Diagnostic {
     Diagnostic::new(Code::E0101, "this does not look like a Tweeze program")
         .label(first, "no line begins a declaration")

@@ -1,4 +1,5 @@
-//! What stands where reading an entry stopped: a word too many, a word that is missing, or one that means another.
+//! Diagnoses the place where parsing of an entry stopped: a superfluous word, a missing word, or a word used for
+//! another.
 
 use super::around::{
     blanks_end, code_end_before, line_after, line_before, part, quote, token_at, token_before_sign, value_in,
@@ -9,7 +10,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::Unit;
 use crate::source::Span;
 
-/// Reading stopped at `at`, inside of the bracket `open` if there is one.
+/// Diagnoses parsing that stopped at `at`, inside the bracket `open` if there is one.
 pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<char>, text: &str) -> Diagnostic {
     let token = token_at(&text[..span.end as usize], at);
     let wanted = match (wants_value, open) {
@@ -43,7 +44,7 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
     if token == "and" {
         return joined_by_and(place, text);
     }
-    // What is no preposition was read as a name: `dispense drop form dye`, `dispense drop from the dye`.
+    // A word that is not a preposition was read as a name: `dispense drop form dye`, `dispense drop from the dye`.
     let before = code_end_before(text, at);
     let word = &text[text[..before].trim_end_matches(is_word).len()..before];
     let word_place = part(span, before - word.len(), before);
@@ -83,7 +84,7 @@ pub(super) fn joined_by_and(word: Span, text: &str) -> Diagnostic {
         .mended(with_blanks(word, text), ", ")
 }
 
-/// `drop(2)`, whose bracket opens at a byte.
+/// `drop(2)`; the bracket opens at byte `bracket`.
 pub(super) fn round_index(whole: Span, bracket: usize, text: &str) -> Diagnostic {
     let end = whole.end as usize;
     let (name, index) = (&text[whole.start as usize..bracket], &text[bracket + 1..end - 1]);
@@ -94,7 +95,7 @@ pub(super) fn round_index(whole: Span, bracket: usize, text: &str) -> Diagnostic
         .mended(part(whole, end - 1, end), "]")
 }
 
-/// A value behind a step without the word that belongs before it, as the time in `mix a at (5, 3) 3 s`; `value` is its first word.
+/// A value after a step without its preposition, such as the time in `mix a at (5, 3) 3 s`; `value` is its first word.
 pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagnostic> {
     let at = value.start as usize;
     let rest = value_in(line_after(text, at));
@@ -103,7 +104,7 @@ pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagno
     let is_axis = matches!(token_at(rest, 0), "x" | "y" | "z");
     let mut behind = line.rsplit([' ', '\t']);
     let ends_in_number = |word: Option<&str>| word.is_some_and(|word| word.ends_with(|c: char| c.is_ascii_digit()));
-    // `wait 5 000 ms` and `5 min 30 s` are numbers side by side.
+    // `wait 5 000 ms` and `5 min 30 s` are adjacent numbers.
     let follows_number = is_number && {
         let last = behind.next();
         ends_in_number(last) || last.is_some_and(|unit| Unit::parse(unit).is_ok()) && ends_in_number(behind.next())
@@ -136,7 +137,7 @@ pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagno
     })
 }
 
-/// Whether English has a word before a name; `a` may be a name itself.
+/// Whether a word is an English article; `a` is excluded because it may be a name.
 pub(super) fn is_article(word: &str) -> bool {
     matches!(word, "the" | "an")
 }
@@ -150,7 +151,7 @@ pub(super) fn article(word: Span, text: &str) -> Diagnostic {
         .mended(part(word, word.start as usize, end), "")
 }
 
-/// Prepositions that people write for ours, and ours.
+/// Foreign prepositions and their equivalents in Tweeze.
 const FOREIGN_PREPOSITIONS: &[(&str, &str)] = &[
     ("around", "about"),
     ("round", "about"),
@@ -163,14 +164,14 @@ const FOREIGN_PREPOSITIONS: &[(&str, &str)] = &[
     ("using", "with"),
 ];
 
-/// The preposition that a word stands for, and what to say of it.
+/// The preposition that a word stands for, and the help to show.
 fn preposition(word: &str) -> Option<(&'static str, String)> {
     let foreign = FOREIGN_PREPOSITIONS.iter().find(|(theirs, _)| *theirs == word);
     let foreign = foreign.map(|(_, ours)| (*ours, format!("write `{ours}`")));
     foreign.or_else(|| meant_preposition(word).map(|meant| (meant, format!("did you mean `{meant}`?"))))
 }
 
-/// What people write in a `require` where reading stops.
+/// Diagnoses a `require` at the place where parsing stopped.
 fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnostic> {
     let step = line.rsplit(['{', ',']).next().unwrap_or("").trim_start();
     step.strip_prefix("require").filter(|rest| rest.starts_with([' ', '\t']))?;

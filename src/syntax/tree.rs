@@ -1,19 +1,19 @@
-//! The tree of one file: the text and its places, without meaning.
+//! Syntax tree of one file: the text with its places, without meaning.
 //!
 //! Every node carries its span, and a child's span lies in its parent's. Parts that could not be read are
-//! [`ExprKind::Error`] or an `Error` entry; their diagnostic was pushed when they were read, so later stages ignore them.
-//! Verbs, fields, nouns and shapes are plain words here: a device kind adds no node.
+//! [`ExprKind::Error`] or an `Error` entry; their diagnostic was pushed during parsing, so later stages ignore them.
+//! Verbs, fields, nouns and shapes are plain words here: device kinds add no node types.
 
 use crate::source::{FileId, Span};
 
-/// A word with its place.
+/// A word with its span.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ident {
     pub text: String,
     pub span: Span,
 }
 
-/// The `///` lines before a declaration, joined by line ends, without their slashes and one leading blank.
+/// The `///` lines before a declaration, joined by line ends, without their slashes and one leading space.
 pub type Doc = Option<String>;
 
 /// One file.
@@ -23,7 +23,7 @@ pub struct Tree {
     /// The `//!` lines at the top.
     pub doc: Doc,
     pub items: Vec<Item>,
-    /// The names that unreadable declarations would have declared: no later stage should call them unknown.
+    /// The names that unreadable declarations would have declared; later stages must not report them as unknown.
     pub broken_names: Vec<Ident>,
 }
 
@@ -43,7 +43,7 @@ pub enum Item {
 }
 
 impl Item {
-    /// Where it stands, without its doc comment.
+    /// Its span, without its doc comment.
     pub fn span(&self) -> Span {
         match self {
             Item::Use(item) => item.span,
@@ -57,7 +57,7 @@ impl Item {
         }
     }
 
-    /// What `run` takes, if it is that: a task or a program.
+    /// The task or program in this item; `None` for other declarations.
     pub fn runnable(&self) -> Option<Runnable<'_>> {
         let (Item::Task(Task { name, parameters, doc, entries, .. })
         | Item::Program(Program { name, parameters, doc, entries, .. })) = self
@@ -85,7 +85,7 @@ pub struct Use {
     pub span: Span,
 }
 
-/// Where a used file is.
+/// Location of a used file.
 #[derive(Debug, Clone)]
 pub enum UsePath {
     /// `std.dimibot`: the words between the dots, `std` included.
@@ -103,7 +103,8 @@ pub struct Let {
     pub span: Span,
 }
 
-/// `device bot : dimibot.femto_st { left: 5 }`, and `instrument awg : waveform_generator { outputs: 2 }`, which has the same form.
+/// `device bot : dimibot.femto_st { left: 5 }`, or `instrument awg : waveform_generator { outputs: 2 }`, which has the
+/// same form.
 #[derive(Debug, Clone)]
 pub struct Device {
     pub doc: Doc,
@@ -159,7 +160,7 @@ pub struct IndexedName {
     pub span: Span,
 }
 
-/// `for i, p in spots { … }`: with one name it takes the elements, with two it counts them as well.
+/// `for i, p in spots { … }`: one name takes the elements; with two, the first is the index.
 #[derive(Debug, Clone)]
 pub struct For<E> {
     /// The counter, where two names are given.
@@ -205,7 +206,7 @@ pub struct Program {
 pub enum Entry {
     /// `precision: 0.25 um`.
     Field(Field),
-    /// Settings (`minimize time`), steps (`move to (1, 2)`), `run`, `wait`, `together { … }`: all of one form.
+    /// Settings (`minimize time`), steps (`move to (1, 2)`), `run`, `wait`, `together { … }`: all have the same form.
     Step(Step),
     For(For<Entry>),
     Error(Span),
@@ -213,7 +214,7 @@ pub enum Entry {
 
 /// A head word, at most one object, prepositions with values, at most one block:
 /// `move m1 to (26, 31) via (3, 9)`, `apply state 2 for 3 s`, `minimize distance`, `together { … }`.
-/// In `assemble { D3 to … }` the head is the object; the grammar does not care.
+/// In `assemble { D3 to … }` the head is the object; the grammar makes no distinction.
 #[derive(Debug, Clone)]
 pub struct Step {
     pub head: Ident,
@@ -248,7 +249,7 @@ pub struct Wiring {
 #[derive(Debug, Clone)]
 pub enum WiringEntry {
     Wire(Wire),
-    /// A field of all wires of the wiring that do not give it themselves.
+    /// A default field for all wires of the wiring that do not have it themselves.
     Field(Field),
     For(For<WiringEntry>),
     Error(Span),
@@ -263,12 +264,12 @@ pub struct Wire {
     pub span: Span,
 }
 
-/// Where a wire leads.
+/// Target of a wire.
 #[derive(Debug, Clone)]
 pub enum WireOutput {
-    /// A name that Tweeze takes as it is.
+    /// A name that Tweeze passes on unchanged.
     Named(Text),
-    /// An instrument, and its output.
+    /// An instrument and its output.
     Instrument(Path),
 }
 
@@ -288,7 +289,7 @@ pub struct Text {
 }
 
 impl Text {
-    /// Its characters; `None` if there are holes in it.
+    /// Its characters; `None` if it has holes.
     pub fn plain(&self) -> Option<String> {
         let plain = |part: &'_ TextPart| match part {
             TextPart::Plain(plain) => Some(plain.clone()),
@@ -306,7 +307,7 @@ pub enum TextPart {
     Hole(Expr),
 }
 
-/// A value as it was written.
+/// A value as written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expr {
     pub kind: ExprKind,

@@ -10,9 +10,9 @@ use crate::source::Span;
 use pest::Parser;
 
 impl Reader<'_> {
-    /// An expression of any of the grammar's three sorts.
+    /// Reads an expression of any of the grammar's three sorts.
     pub fn expr(&mut self, node: Node) -> Expr {
-        // Most are a single value, without a sign before it or an operator behind.
+        // Most expressions are a single value without an operator.
         let mut inner = node.clone().into_inner();
         if inner.len() == 1
             && let Some(part) = inner.next()
@@ -125,14 +125,14 @@ impl Reader<'_> {
         }
     }
 
-    /// The names between dots.
+    /// Reads names joined by dots.
     pub fn path(&mut self, node: Node) -> Path {
         let span = self.span(&node);
         let segments = self.children(node).into_iter().map(|segment| self.indexed(segment)).collect();
         Path { segments, span }
     }
 
-    /// A name with its indices.
+    /// Reads a name with its indices.
     pub fn indexed(&mut self, node: Node) -> IndexedName {
         let span = self.span(&node);
         let mut name = Ident { text: String::new(), span };
@@ -146,12 +146,12 @@ impl Reader<'_> {
         IndexedName { name, indices, span }
     }
 
-    /// The indices of a bracket.
+    /// Reads the indices in a bracket.
     pub fn indices(&mut self, node: Node) -> Vec<Expr> {
         self.children(node).into_iter().flat_map(|index| self.values(index)).collect()
     }
 
-    /// A string.
+    /// Reads a string.
     pub fn text(&mut self, node: Node) -> Text {
         let span = self.span(&node);
         let mut parts: Vec<TextPart> = Vec::new();
@@ -190,7 +190,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The value of a fragment that contains nothing else.
+    /// Reads the value of a fragment that contains nothing else.
     pub fn only_value(&mut self, node: Node) -> Option<Expr> {
         let value = self.children(node).into_iter().find(|child| child.as_rule() == Rule::expr)?;
         Some(self.expr(value))
@@ -237,7 +237,7 @@ impl Reader<'_> {
         Some(columns)
     }
 
-    /// A row with as many cells as there are columns, whatever was written.
+    /// Reads a row; it always has as many cells as there are columns.
     fn row(&mut self, node: Node, columns: &[Column]) -> Row {
         let span = self.span(&node);
         let mut parts: Vec<Node> = node.into_inner().collect();
@@ -254,7 +254,7 @@ impl Reader<'_> {
         Row { cells, span }
     }
 
-    /// The value of a field or a `let`; the grammar leaves a mark where there is none.
+    /// Reads the value of a field or a `let`; the grammar leaves a mark where it is missing.
     pub fn value(&mut self, node: Option<Node>, after: Span) -> Expr {
         match node {
             Some(node) => self.primary(node),
@@ -262,7 +262,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `left: 5`.
+    /// Reads `left: 5`.
     pub fn field(&mut self, node: Node, doc: super::tree::Doc) -> Field {
         let span = self.span(&node);
         let mut parts = self.children(node).into_iter();

@@ -1,4 +1,4 @@
-//! `tweeze lsp`, driven as an editor drives it.
+//! `tweeze lsp`, driven as by an editor.
 
 use super::*;
 use lsp_server::{Message, Notification, Request, RequestId, ResponseError};
@@ -16,7 +16,7 @@ pub struct Editor {
 }
 
 impl Editor {
-    /// Starts the server and shakes hands.
+    /// Starts the server and performs the handshake.
     pub fn new(capabilities: Value) -> (Editor, Value) {
         let mut server = Plain::new(env!("CARGO_BIN_EXE_tweeze"))
             .arg("lsp")
@@ -100,7 +100,7 @@ fn an_editor_opens_mends_and_formats_a_program() {
     let (mut editor, hello) = Editor::new(json!({}));
     assert_eq!(hello["capabilities"]["positionEncoding"], "utf-16");
 
-    // The emoji is two columns of UTF-16, so the wrong word begins at 29.
+    // The emoji is two UTF-16 columns wide, so the wrong word begins at 29.
     let text = SMALL.replace("{ move", "{ /* 😀 */ mvoe").replace("/* 😀 */ ", "");
     editor.open(&uri, &text.replace("task", "// 😀 µ\ntask"));
     let (of, found) = editor.findings();
@@ -146,7 +146,7 @@ fn an_editor_opens_mends_and_formats_a_program() {
     assert_eq!(editor.status(), Some(DONE));
 }
 
-/// Colours and folds of a text with a block, a comment of two lines and characters of two units.
+/// Semantic tokens and folds of a text with a block, a comment of two lines, and characters of two UTF-16 units.
 #[test]
 fn a_text_has_colours_and_folds() {
     let bench = Bench::new();
@@ -180,7 +180,7 @@ fn a_text_has_colours_and_folds() {
     assert_eq!(editor.ask("textDocument/semanticTokens/full", other).expect("it answers"), Value::Null);
 }
 
-/// Open, see the squiggle, apply the fix: the program is as it should be.
+/// A misspelt word is reported, and the quick fix repairs the program.
 #[test]
 fn a_quick_fix_writes_the_word_that_is_near() {
     let bench = Bench::new();
@@ -196,7 +196,7 @@ fn a_quick_fix_writes_the_word_that_is_near() {
     let edit = &fixes[0]["edit"]["changes"][&uri][0];
     editor.change(&uri, json!({ "range": edit["range"], "text": edit["newText"] }));
     assert_eq!(editor.findings().1, Vec::<Value>::new());
-    // Several edits that belong together, behind an emoji, which is two columns wide.
+    // A fix of several edits after an emoji, which is two columns wide.
     let broken = SMALL.replace("move to (1, 1)", "move to 1, 1;").replace("{ ", "{ /* 😀 */ ");
     editor.change(&uri, json!({ "text": broken }));
     let (_, found) = editor.findings();
@@ -222,7 +222,7 @@ fn a_quick_fix_writes_the_word_that_is_near() {
     );
     let (_, left) = editor.findings();
     assert_eq!(left.len(), 1, "the comment alone: {left:?}");
-    // What has no mend, or was never sent by this server, has no fix.
+    // A finding without a fix, or one that this server never sent, has no action.
     for data in [Value::Null, json!(7), json!({ "range": 7 })] {
         let odd = json!({ "range": edit["range"], "message": "?", "data": data });
         let asked =
@@ -231,7 +231,7 @@ fn a_quick_fix_writes_the_word_that_is_near() {
     }
 }
 
-/// A change of a used file in the editor, which the disk has not seen, concerns the program that uses it.
+/// A change of a used file in the editor, not yet on the disk, affects the program that uses it.
 #[test]
 fn open_texts_stand_for_files() {
     let bench = Bench::new();
@@ -249,7 +249,7 @@ fn open_texts_stand_for_files() {
     editor.note("textDocument/didClose", json!({ "textDocument": { "uri": &lab } }));
     let after: Vec<(String, Vec<Value>)> = (0..3).map(|_| editor.findings()).collect();
     assert_eq!(after.last(), Some(&(program.clone(), vec![])), "{after:?}");
-    // What is wrong in the program may have its reason in the other file.
+    // An error in the program may originate in the other file.
     editor.open(&lab, "let goal = (9999, 1)\n");
     let (of, found) = editor.findings();
     assert_eq!((of, found.len()), (program, 1), "{found:?}");
@@ -304,7 +304,7 @@ fn after_shutdown_only_the_exit_is_taken() {
     assert_eq!(editor.status(), Some(DONE));
 }
 
-/// The program as a client starts it.
+/// Starts the server as a client does.
 fn server() -> Child {
     let mut server = Plain::new(env!("CARGO_BIN_EXE_tweeze"));
     server.arg("lsp").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -315,7 +315,7 @@ fn server() -> Child {
 fn what_is_no_message_ends_the_server_with_a_sentence() {
     let says_of = |bytes: &[u8]| {
         let mut server = server();
-        // It may end before all of it is written.
+        // It may end before everything is written.
         let _ = server.stdin.take().expect("it is open").write_all(bytes);
         let ended = server.wait_with_output().expect("it ends");
         assert_eq!(ended.status.code(), Some(ERRORS), "{:?}", String::from_utf8_lossy(bytes));
@@ -353,7 +353,7 @@ fn a_message_that_says_nothing_is_refused_and_the_next_one_read() {
     assert!(answers.contains("\"capabilities\""), "{answers}");
 }
 
-/// The words of a program under test, by the place of the first letter of each, as `line:column`.
+/// The words of a program under test, each given by the position of its first letter, as `line:column`.
 fn words_at(locations: &Value) -> Vec<String> {
     let list = locations.as_array().expect("a list").iter();
     list.map(|location| {
@@ -363,7 +363,7 @@ fn words_at(locations: &Value) -> Vec<String> {
     .collect()
 }
 
-/// The place in a text of words of it, in which a bar stands for the caret.
+/// The position in a text of the caret, which a bar marks in some of its words.
 fn caret(text: &str, words: &str) -> Value {
     let (before, after) = words.split_once('|').expect("a caret");
     let at = text.find(&format!("{before}{after}")).unwrap_or_else(|| panic!("{words}")) + before.len();
@@ -389,7 +389,7 @@ fn names_lead_to_their_declarations_and_back() {
     let at =
         |uri: &str, text: &str, words: &str| json!({ "textDocument": { "uri": uri }, "position": caret(text, words) });
 
-    // A device of another file, from the middle of its name; a task; a parameter; the name of a loop; a scene.
+    // A device in another file, from the middle of its name; a task; a parameter; a loop name; a scene.
     let found = editor.ask("textDocument/definition", at(&main, text, "lab.pic|ker")).expect("it answers");
     assert_eq!((found["uri"].as_str(), &found["range"]["start"]), (Some(used.as_str()), &caret(lab, "device |picker")));
     for (from, to) in [
@@ -406,7 +406,7 @@ fn names_lead_to_their_declarations_and_back() {
             "{from}"
         );
     }
-    // A word of the language is no name, and the library is in no file.
+    // A word of the language is not a name, and the library has no file.
     for (uri, text, words) in [(&main, text, "|use"), (&main, text, "mo|ve"), (&used, lab, "femto|_st")] {
         assert_eq!(editor.ask("textDocument/definition", at(uri, text, words)).expect("it answers"), Value::Null);
     }
@@ -418,7 +418,7 @@ fn names_lead_to_their_declarations_and_back() {
     };
     let uses = editor.ask("textDocument/references", with(&main, text, "task g|o", false)).expect("it answers");
     assert_eq!(words_at(&uses), ["main.twz 4:18", "main.twz 4:29"]);
-    // From the used file too, once it is open: it knows who uses it.
+    // Also from the used file once it is open: the server knows which programs use it.
     editor.open(&used, lab);
     editor.findings();
     let uses = editor.ask("textDocument/references", with(&used, lab, "let go|al", true)).expect("it answers");
@@ -471,7 +471,7 @@ fn parts_of_a_scene_are_names_too() {
     }
 }
 
-/// What a new name would break is not renamed; indices stay, and so do parameters; what nothing uses has a name, too.
+/// A rename that would break something is refused; indices and parameters are kept; an unused name can be renamed too.
 #[test]
 fn a_new_name_breaks_nothing() {
     let board = "use std.electrode_array as ea\ndevice chip : ea.droplet_chip { columns: 14, rows: 9 }\n";
@@ -504,13 +504,13 @@ fn a_new_name_breaks_nothing() {
          task read on chip in b {{\n  avoid blood in serum\n  assay {{ move blood to (11, 5), move serum to (11, 8) }}\n}}\n"
     );
     assert_eq!(renamed(&avoided, "part |blood").map(|edits| edits.len()), Ok(3));
-    // Rows of a table of robots are no uses of a name that an editor knows.
+    // Rows of a table of robots are uses of a name that the server does not know.
     let robots = include_str!("../../examples/microrobots_drive.twz");
     says(&renamed(robots, "robot |D2").expect_err("it is named elsewhere, too"), &["no robot", "by hand"]);
     assert_eq!(renamed("let alone = 5\n", "let |alone").map(|edits| edits.len()), Ok(1));
 }
 
-/// The angle of a curve is declared nowhere.
+/// The parameter of a curve is declared nowhere.
 #[test]
 fn a_formula_declares_no_name() {
     let text = "let bump = profile { x: 14 um * cos(t) - 6 um * cos(2 * t), y: 9 um * sin(t) }\n";

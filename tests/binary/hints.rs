@@ -1,11 +1,11 @@
-//! Figures in the text and commands above it, as an editor gets them.
+//! Inlay hints and code lenses as an editor receives them.
 
 use super::*;
 use crate::editor::{Editor, place};
 use lsp_server::Message;
 use serde_json::{Value, json};
 
-/// The next finding with a code, in whichever message it comes.
+/// The next finding with a code, in any message.
 fn finding(editor: &mut Editor, code: &str) -> Value {
     loop {
         let (_, found) = editor.findings();
@@ -16,7 +16,7 @@ fn finding(editor: &mut Editor, code: &str) -> Value {
 }
 
 impl Editor {
-    /// Waits until the server says that hints have changed, and answers.
+    /// Waits until the server asks to refresh hints, and answers.
     fn refreshed(&mut self) {
         loop {
             if let Message::Request(request) = self.receive() {
@@ -26,7 +26,7 @@ impl Editor {
         }
     }
 
-    /// The hints of a document: place and text of each.
+    /// The hints of a document: position and text of each.
     fn hints(&mut self, uri: &str) -> Vec<(Value, String)> {
         let all = json!({ "start": place(0, 0), "end": place(999, 0) });
         let asked = json!({ "textDocument": { "uri": uri }, "range": all });
@@ -36,7 +36,7 @@ impl Editor {
     }
 }
 
-/// The planner reads files: a text that is another one there is not planned until it is saved.
+/// The planner reads files, so a text that differs from its file is not planned until it is saved.
 #[test]
 fn what_is_not_on_the_disk_is_not_planned() {
     let bench = Bench::new();
@@ -49,7 +49,7 @@ fn what_is_not_on_the_disk_is_not_planned() {
     std::thread::sleep(std::time::Duration::from_millis(500));
     fs::write(bench.path("a.twz"), text).expect("written");
     editor.note("textDocument/didSave", json!({ "textDocument": { "uri": &uri } }));
-    // The first thing that comes of planning is of the text that was saved.
+    // The first planning result is for the saved text.
     match editor.receive() {
         Message::Request(request) => assert_eq!(request.method, "workspace/inlayHint/refresh"),
         other => panic!("{other:?}"),
@@ -76,23 +76,23 @@ fn saved_programs_are_planned() {
     assert_eq!(places, [&place(1, 29), &place(3, 25), &place(4, 16), &place(6, 31)], "{hints:?}");
     says(&hints[0].1, &["cells of "]);
     says(&hints[1].1, &["ms, ", " um (", "optimal (bound"]);
-    // Once on the way, and once where it stands already.
+    // The first run moves; in the second the tip is already there.
     assert_eq!(hints[2].1, "0 ms to 30 ms");
     says(&hints[3].1, &["ms in 2 runs"]);
     let on_name = json!({ "textDocument": { "uri": &uri }, "position": place(3, 6) });
     let hover = editor.ask("textDocument/hover", on_name).expect("it answers");
     says(hover["contents"]["value"].as_str().expect("text"), &["Planned and verified", "optimal (bound"]);
-    // A text that is not saved has no plans.
+    // An unsaved text has no plans.
     editor.change(&uri, json!({ "range": { "start": place(4, 11), "end": place(4, 12) }, "text": "2" }));
     assert_eq!(editor.hints(&uri), hints[..1]);
-    // What the planner finds stands at its line.
+    // The planner's finding is at its line.
     let walled = "use std.dimibot\ndevice bot : dimibot.femto_st\nscene s { obstacle wall : cells { from: (1, 0), to: (1, 3) } }\ntask go on bot in s { move to (3, 3) }\n";
     save(&mut editor, walled);
     let found = finding(&mut editor, "E0601");
     assert_eq!(found["range"]["start"]["line"], 3, "{found}");
     assert_eq!(found["relatedInformation"][0]["location"]["range"]["start"]["line"], 2, "{found}");
     assert_eq!(editor.hints(&uri), hints[..1]);
-    // It goes with the next edit, and an error of the checker's own is not there twice.
+    // It disappears with the next edit, and an error that the checker finds is not listed twice.
     save(&mut editor, &walled.replace("(3, 3)", "(30, 3)"));
     let found = loop {
         let (_, found) = editor.findings();
@@ -108,7 +108,8 @@ fn saved_programs_are_planned() {
     assert_eq!(editor.status(), Some(0));
 }
 
-/// The planner reads files: plans of a program go when a file that it uses is open with another text, and come back with its own.
+/// The planner reads files, so the plans of a program are dropped when a used file is open with another text, and
+/// return with the file's own text.
 #[test]
 fn plans_are_those_of_the_open_texts() {
     let bench = Bench::new();
@@ -128,7 +129,7 @@ fn plans_are_those_of_the_open_texts() {
         }
     };
     assert_eq!(of_program(&mut editor), ["E0601"]);
-    // Saved or not, the program itself is another one now, and is planned when the other file is saved, too.
+    // Saved or not, the program itself has changed now; it is planned when the other file is saved, too.
     editor.change(&lab, json!({ "text": "let far = (1, 2)\n" }));
     assert_eq!(of_program(&mut editor), [""; 0]);
     editor.note("textDocument/didSave", json!({ "textDocument": { "uri": &program } }));
@@ -137,7 +138,7 @@ fn plans_are_those_of_the_open_texts() {
     editor.note("textDocument/didSave", json!({ "textDocument": { "uri": &lab } }));
     editor.refreshed();
     assert!(editor.hints(&program).len() > 1);
-    // A text that is closed without being saved gives way to its file.
+    // A text that is closed without being saved is replaced by its file.
     editor.change(&lab, json!({ "text": walls }));
     editor.refreshed();
     assert_eq!(editor.hints(&program).len(), 1);
@@ -146,7 +147,7 @@ fn plans_are_those_of_the_open_texts() {
     assert!(editor.hints(&program).len() > 1);
 }
 
-/// What the checker knows is there while the text is typed, and without a plan.
+/// The checker's figures are available while the text is typed, without a plan.
 #[test]
 fn hints_tell_pitches_and_the_cells_of_places() {
     let (mut editor, _) = Editor::new(json!({}));
@@ -167,7 +168,7 @@ fn hints_tell_pitches_and_the_cells_of_places() {
         (4, "cell (4, 1), 1.3293 um off"),
     ];
     assert_eq!(reported, expected);
-    // They follow the text, also in the message in which it changes, and go with an error.
+    // They follow the text, even in the message that changes it, and disappear with an error.
     editor.change(uri, json!({ "range": { "start": place(1, 38), "end": place(1, 39) }, "text": "7" }));
     let changed = editor.hints(uri);
     assert_eq!(changed.len(), hints.len());
@@ -176,7 +177,7 @@ fn hints_tell_pitches_and_the_cells_of_places() {
     assert_eq!(editor.hints(uri), []);
 }
 
-/// Steps of a board, and turns, with what they really reach.
+/// Hints of a board's steps, and of turns with what they really reach.
 #[test]
 fn hints_tell_what_steps_take_and_reach() {
     let bench = Bench::new();
@@ -202,7 +203,7 @@ fn hints_tell_what_steps_take_and_reach() {
     says(at_step[0], &[" s, reaches 80.0005 deg"]);
 }
 
-/// The commands over tasks and programs, as a client carries them out.
+/// The code lenses over tasks and programs, as a client carries them out.
 #[test]
 fn lenses_build_and_show_a_task() {
     let bench = Bench::new();
@@ -225,13 +226,13 @@ fn lenses_build_and_show_a_task() {
         [(&go, &build.0, &build.1), (&go, &view.0, &view.1), (&day, &build.0, &build.1), (&day, &view.0, &view.1)];
     assert_eq!(reported, expected);
     assert_eq!(lenses[0]["command"]["arguments"], json!([&uri, "go"]));
-    // What the command stands for builds that task alone.
+    // The command of the lens builds that task only.
     let arguments = &lenses[2]["command"]["arguments"];
     bench
         .run(&["build", "a.twz", "--task", arguments[1].as_str().expect("a name"), "-o", "out", "--emit", "json"])
         .code(DONE);
     assert_eq!(bench.names("out"), ["day.json"]);
-    // A text that is in no file cannot be built, and one that is not open has no tasks.
+    // An unsaved text cannot be built, and a document that is not open has no tasks.
     editor.open("untitled:one", text);
     for (uri, expected) in [("untitled:one", json!([])), ("file:///nowhere.twz", Value::Null)] {
         let lenses =

@@ -1,4 +1,4 @@
-//! Waits for inputs and people, from the program to senders that wait.
+//! Waits for inputs and people, from the program to the senders that wait.
 
 use crate::{Bench, DONE, ERRORS, USAGE, err, says};
 use serde_json::Value;
@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// A robot behind a card, with a light that stays on in the waits.
+/// A robot on a data acquisition card, with a light that stays on during the waits.
 const ON_A_CARD: &str = "use std.dimibot\nuse std.instruments\ndevice bot : dimibot.femto_st { left: 1, right: 1 }\n\
     instrument card : instruments.ni_usb_6343\noutput light : level { to: 10 V, rest: 10 % }\n\
     task go on bot {\n set light to 60 %\n prompt \"add the sample\"\n move to (1, 0)\n\
@@ -14,7 +14,8 @@ const ON_A_CARD: &str = "use std.dimibot\nuse std.instruments\ndevice bot : dimi
     wiring bot { switches: 20 V, bl0.set -> card.port0.line0, bl0.reset -> card.port0.line1 }\n\
     wiring light { out -> card.ao0 }\n";
 
-/// Runs a sender with the stand-ins of the instruments' libraries and a person's answers; its status and its words. `None` without Python.
+/// Runs a sender with stand-ins for the instruments' libraries and a person's answers; returns its status and output.
+/// `None` without Python.
 fn sent(bench: &Bench, script: &str, arguments: &[&str], answers: &str, low: u32) -> Option<(i32, String)> {
     let stand_ins = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/oracles/standins");
     fs::write(bench.path("answers"), answers).expect("written");
@@ -60,7 +61,7 @@ fn a_card_is_played_in_parts_and_keeps_what_it_gives_in_between() {
     let rests = calls.iter().filter(|call| call["rest"].as_object().is_some_and(|rest| !rest.is_empty()));
     assert_eq!(rests.count(), 4, "lines and voltages go to rest before the start and after the end only");
     assert_eq!(calls.iter().filter(|call| call["channels"][0] == "Dev1/port0/line31").count(), 6);
-    // Nobody, and no input in time.
+    // Nobody answers, and no input arrives in time.
     for (answers, low, why) in
         [("", 0, "nobody is there to answer: add the sample"), ("\n\n", 1_000_000, "is not high after 0.05 s")]
     {
@@ -100,7 +101,7 @@ fn a_generator_holds_its_voltage_until_the_next_trigger() {
     assert!(log.lines().any(|line| line.contains(":SOUR2:APPL:DC DEF,DEF,1.0")), "{log}");
 }
 
-/// Plays frames on a board that keeps when it got which.
+/// Plays frames on a board that records when it received each.
 const PLAY: &str = "import importlib.util, json, sys, time\n\
     spec = importlib.util.spec_from_file_location('sender', sys.argv[1])\n\
     sender = importlib.util.module_from_spec(spec)\nspec.loader.exec_module(sender)\n\

@@ -1,4 +1,4 @@
-//! The report of `build`, line by line.
+//! Live report of `build`, line by line.
 
 use crate::{Bench, DONE, ERRORS, SMALL, err, out, says};
 use std::fs;
@@ -32,7 +32,7 @@ fn a_build_that_fails_keeps_the_lines_that_it_had() {
     assert_eq!(out(&failed).lines().count(), 2, "{}", out(&failed));
     says(&err(&failed), &["E0603"]);
     assert!(bench.names("out").is_empty());
-    // Nothing is free of errors before all is.
+    // No line claims a check before the whole program is free of errors.
     fs::write(bench.path("a.twz"), SMALL.replace("(1, 1)", "(99, 1)")).expect("written");
     assert_eq!(out(&bench.run(&["build", "a.twz"]).code(ERRORS)), "");
 }
@@ -67,7 +67,7 @@ fn a_verbose_build_tells_every_line_and_what_was_searched() {
     let all = reported(&["build", "a.twz", "--task", "all", "-v"]);
     assert_eq!((lines(&all, "Planned"), lines(&all, "Searched")), (25, 25), "{all}");
     says(&all, &["Searched  all: go24"]);
-    // The same bytes again: no time is told where no terminal is.
+    // The same bytes again: no time is printed without a terminal.
     assert_eq!(reported(&["build", "a.twz", "--task", "all", "--verbose"]), all);
     bench.run(&["build", "a.twz", "-v", "-q"]).code(crate::USAGE);
 }
@@ -81,6 +81,6 @@ fn what_was_searched_is_told_of_its_own_schedule() {
     };
     let failed = searched(out(&bench.run(&["build", "a.twz", "-v"]).code(ERRORS)));
     assert_eq!(failed.len(), 1, "{failed:?}");
-    // The search for `far`, which came before and found nothing, took a step.
+    // The search for `far`, which came before and found nothing, took one step.
     says(&failed[0], &["Searched  go ", "nothing: the plan is known without"]);
 }

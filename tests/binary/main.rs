@@ -1,4 +1,4 @@
-//! The built program as users see it: commands, exit statuses, files, streams.
+//! The built program from the user's side: commands, exit statuses, files, streams.
 
 mod editor;
 mod hints;
@@ -34,7 +34,7 @@ fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
 }
 
-/// A folder of its own in which the program runs.
+/// A temporary folder in which the program runs.
 struct Bench {
     folder: TempDir,
 }
@@ -64,7 +64,7 @@ impl Bench {
         self.command(arguments).assert()
     }
 
-    /// The names in a folder, hidden ones too but for the list of what was built from what.
+    /// The names in a folder, including hidden ones except the manifest.
     fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path(folder)).into_iter().flatten().flatten();
         let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
@@ -204,7 +204,7 @@ fn one_task_of_a_program_can_be_built() {
     assert_eq!(bench.names("out"), ["errand.csv", "errand.json"]);
     let unknown = bench.run(&["build", &day, "--task", "errant"]).code(ERRORS);
     says(&err(&unknown), &["E0513", "did you mean `errand`?"]);
-    // A task with parameters cannot be built by itself.
+    // A task with parameters cannot be built on its own.
     bench.run(&["build", &day, "--task", "go"]).code(ERRORS);
 }
 
@@ -253,7 +253,7 @@ fn files_that_cannot_be_read() {
         says(&err(&bench.run(&[command, "folder.twz"]).code(FILES)), &["E0801", "it is a folder"]);
     }
     says(&err(&bench.run(&["check", "a.twz"]).code(FILES)), &["E0803", "byte 24, in line 2"]);
-    // The gravest outcome is the answer, and the others are told too.
+    // The gravest outcome is the exit status, and the others are reported too.
     fs::write(bench.path("good.twz"), SMALL).expect("written");
     fs::write(bench.path("bad.twz"), SMALL.replace("(1, 1)", "(1 V, 1)")).expect("written");
     let several = bench.run(&["check", "bad.twz", "missing.twz", "good.twz"]).code(FILES);
@@ -282,7 +282,7 @@ fn used_files_lie_beside_the_program() {
     says(&err(&bench.run(&["check", "a.twz"]).code(ERRORS)), &["a.twz", "lab/bench.twz"]);
     fs::write(bench.path("lab/bench.twz"), "use std.dimibot\ndevice bot : dimibot.femto_st\n").expect("written");
     bench.run(&["build", "a.twz", "-o", "out"]).code(DONE);
-    // The log carries both files: it is verified elsewhere.
+    // The log contains both files, so it can be verified elsewhere.
     fs::remove_dir_all(bench.path("lab")).expect("removed");
     bench.run(&["verify", "out/go.mcap"]).code(DONE);
 }
@@ -290,7 +290,7 @@ fn used_files_lie_beside_the_program() {
 #[test]
 fn all_files_are_written_or_none() {
     let bench = Bench::with(SMALL);
-    // A folder in the way of the last file that is written.
+    // A folder blocks the last file that is written.
     fs::create_dir_all(bench.path("out/go.svg")).expect("a folder");
     fs::write(bench.path("out/go.json"), "as it was").expect("written");
     let failed = bench.run(&["build", "a.twz", "-o", "out", "--emit", "mcap,json,csv,vcd,pwl,html,svg"]).code(FILES);
@@ -355,13 +355,14 @@ fn a_folder_that_cannot_be_written_to() {
     assert!(bench.names("out").is_empty());
 }
 
-/// A limit on the size of files stands in for a full disk: a write fails half-way.
+/// A limit on file size stands in for a full disk: a write fails half-way.
 #[cfg(unix)]
 #[test]
 fn a_disk_that_is_full_half_way() {
     let bench = Bench::new();
     let fetch = example("dimibot_fetch.twz");
-    // One block of 512 bytes or 1024: none of the files but the shortest fits. The signal is ignored, so that the write fails.
+    // One block of 512 or 1024 bytes: none of the files but the shortest fits. The signal is ignored, so that the write
+    // fails.
     let script = format!(
         "trap '' XFSZ; ulimit -f 1; exec '{}' build '{}' -o out --emit {ALL_FORMATS}",
         env!("CARGO_BIN_EXE_tweeze"),
@@ -476,7 +477,7 @@ fn a_pipe_gets_no_escapes_and_a_narrow_terminal_narrow_reports() {
     for text in [err(&wide), err(&narrow), err(&silly)] {
         assert!(!text.contains('\x1b') && text.contains("E0501"), "{text}");
     }
-    // A title stays on one line, which the terminal wraps.
+    // A title is on one line, which the terminal wraps.
     let help = |text: &str| -> usize {
         let drawn = |l: &&str| !l.contains(['│', '·', '╰']) && !l.starts_with("error[");
         text.lines().filter(drawn).map(|l| l.chars().count()).max().unwrap_or(0)
@@ -561,7 +562,7 @@ fn a_suggested_table_is_a_program_that_checks_and_tells_its_states() {
 #[test]
 fn a_simulation_is_the_same_for_the_same_seed() {
     let bench = Bench::new();
-    // The plan that fails least is not what is asked here, and takes long to find.
+    // The most reliable plan is not the subject here and takes long to find.
     let four = fs::read_to_string(example("microrobots_four.twz")).expect("an example");
     fs::write(bench.path("four.twz"), four.replace("  minimize failures\n", "")).expect("written");
     let simulated =

@@ -1,4 +1,4 @@
-//! Auxiliary outputs, from the program to what is written.
+//! Auxiliary outputs, from the program to the files written.
 
 use crate::{Bench, DONE, ERRORS, err, says};
 use serde_json::Value;
@@ -7,7 +7,7 @@ use std::fs;
 
 const OUTPUTS: &str = "output camera : trigger { duration: 1 ms }\noutput light : digital { voltage: 3 V }\noutput heater : level { from: 1 V, to: 6 V }\n";
 
-/// A task of each kind, with steps that switch.
+/// A task of each kind, with steps that switch outputs.
 const PROGRAMS: [(&str, &str); 4] = [
     (
         "use std.dimibot\ndevice bot : dimibot.femto_st\n",
@@ -27,7 +27,7 @@ const PROGRAMS: [(&str, &str); 4] = [
     ),
 ];
 
-/// When an output is high by the words of the steps alone, in nanoseconds.
+/// Intervals in which an output is high according to the steps alone, in nanoseconds.
 fn expected(schedule: &Value, output: &str) -> Vec<(u64, u64)> {
     let end = schedule["duration_ns"].as_u64().expect("a duration");
     let mut high = Vec::new();
@@ -72,7 +72,7 @@ fn outputs_of_all_kinds_switch_where_their_steps_stand() {
             assert!(!found.is_empty(), "program {nth}");
             assert_eq!(found, expected(&schedule, output), "`{output}` of program {nth}");
         }
-        // Without the steps that switch, the same plan.
+        // Without the switching steps, the plan is the same.
         let is_switching = |line: &&str| line.contains("pulse") || line.contains("set light");
         let still: String = task.lines().filter(|line| !is_switching(line)).map(|line| format!("{line}\n")).collect();
         fs::write(bench.path("b.twz"), format!("{devices}{still}")).expect("written");
@@ -130,7 +130,7 @@ fn steps_that_no_output_takes_are_errors() {
     says(&err(&unused.run(&["check", "a.twz"]).code(DONE)), &["W0201", "light"]);
 }
 
-/// The stretches of an output in a schedule: start and end in milliseconds, and the voltage.
+/// The segments of an output in a schedule: start and end in milliseconds, and the voltage.
 fn stretches(schedule: &Value, output: &str) -> Vec<(f64, f64, f64)> {
     let channels = schedule["channels"].as_array().expect("channels");
     let index = channels.iter().position(|channel| channel["name"] == format!("{output}.out")).expect("the output");
@@ -180,7 +180,7 @@ fn levels_and_what_outputs_rest_at_are_played_and_verified() {
     let refused = bench.run(&["verify", "out/go.mcap", "--against", "b.twz"]);
     assert_ne!(refused.get_output().status.code(), Some(DONE));
     says(&err(&refused), &["E0774", "heater.out"]);
-    // What the output or its switch does not give.
+    // Values that the output or its switch cannot provide.
     for (from, to, code) in
         [("to: 6 V", "to: 40 V", "E0620"), ("digital { rest: high }", "digital { voltage: 4 V, rest: high }", "E0621")]
     {
@@ -201,7 +201,7 @@ fn a_generator_rests_at_a_voltage() {
     says(&text("go.awg.scpi.txt"), &[":SOUR1:APPL:DC DEF,DEF,1.5 when all is played", "ch1\t1.5\t3\t"]);
 }
 
-/// A device for MicroDrop, as it was written, is a board that gives the same device; the log carries it.
+/// A device written for MicroDrop is read back as a board that gives the same device; the log contains it.
 #[test]
 fn a_device_for_microdrop_is_read_back_as_a_board() {
     let program = |board: &str| {

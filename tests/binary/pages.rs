@@ -1,13 +1,13 @@
-//! Pages: `view`, and what a failed build shows.
+//! Pages: `view`, and the page of a failed build.
 
 use crate::{Bench, DONE, ERRORS, FILES, SMALL, err, out, says};
 use std::fs;
 
-/// The second step leaves the lattice of 32 by 32 cells.
+/// The second step leaves the lattice of 32 × 32 cells.
 const OFF: &str =
     "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot {\n  move to (1, 1)\n  move to (40, 3)\n}\n";
 
-/// What only the page of a log has in its data.
+/// Data that only the page of a log has.
 const RECORDED: &str = "\"recorded\":true,";
 
 #[test]
@@ -19,7 +19,7 @@ fn a_log_is_shown_as_its_program_is_once_it_is_verified() {
     bench.run(&["build", "a.twz", "-o", "logs"]).code(DONE);
     let shown = bench.run(&["view", "logs/go.mcap", "-o", "pages", "--no-open"]).code(DONE);
     says(&out(&shown), &["Verified  go", "Wrote  pages/go.html"]);
-    // It says that nothing derived the bounds of the log again; all else is the same.
+    // The page says that the bounds in the log were not derived again; everything else is the same.
     let of_log = fs::read_to_string(bench.path("pages/go.html")).expect("the page is there");
     assert_eq!(of_log.matches(RECORDED).count(), 1);
     assert_eq!(of_log.replace(RECORDED, "").into_bytes(), page);
@@ -29,7 +29,7 @@ fn a_log_is_shown_as_its_program_is_once_it_is_verified() {
     fs::write(bench.path("logs/go.mcap"), log).expect("the log is damaged");
     let refused = bench.run(&["view", "logs/go.mcap", "-o", "none", "--no-open"]).get_output().status.code();
     assert!(refused != Some(DONE) && bench.names("none").is_empty());
-    // It is the page of the same program, which a program of another name does not replace.
+    // It is the page of the same program, which a program with another name does not replace.
     bench.run(&["view", "a.twz", "-o", "pages", "--no-open"]).code(DONE);
     bench.run(&["build", "a.twz", "-o", "logs", "--force"]).code(DONE);
     bench.run(&["view", "logs/go.mcap", "-o", "pages", "--no-open"]).code(DONE);
@@ -50,7 +50,7 @@ fn a_failed_build_that_asks_for_a_page_gets_one_of_its_errors_and_nothing_else()
     says(&page, &["\"code\":\"E0501\"", "\"at\":[40.0,3.0]", "\"duration_ns\": 30000000"]);
     bench.run(&built).code(ERRORS);
     assert_eq!(fs::read_to_string(bench.path("out/a.failed.html")).expect("the page is there"), page, "same bytes");
-    // Without a page asked for, none is written.
+    // Without a request for a page, none is written.
     bench.run(&["build", "a.twz", "-o", "none"]).code(ERRORS);
     assert!(bench.names("none").is_empty());
     // Another program's page is not replaced, nor removed.
@@ -63,7 +63,7 @@ fn a_failed_build_that_asks_for_a_page_gets_one_of_its_errors_and_nothing_else()
     fs::write(bench.path("other/a.twz"), SMALL).expect("written");
     bench.run(&["build", "other/a.twz", "-o", "out", "--emit", "json"]).code(DONE);
     assert_eq!(bench.names("out"), ["a.failed.html", "go.json"]);
-    // Built at last, the program has no page of errors any more.
+    // Once the program is built, its page of errors is removed.
     fs::write(bench.path("a.twz"), SMALL.replace("task go", "task come")).expect("written");
     bench.run(&built).code(DONE);
     assert_eq!(bench.names("out"), ["come.html", "come.lichtblick.json", "come.mcap", "go.json"]);

@@ -1,4 +1,5 @@
-//! What `build`, `check` and `verify` share of the command line: several programs, standard input, all formats, how much is said.
+//! Command-line behaviour shared by `build`, `check` and `verify`: several programs, standard input, all formats,
+//! amount of output.
 
 use super::*;
 
@@ -22,7 +23,7 @@ fn a_program_may_come_from_standard_input() {
     let log = bench.path("out/go.mcap").to_string_lossy().into_owned();
     bench.run(&["verify", &log]).code(DONE);
     bench.run(&["verify", &log, "--against", "a.twz"]).code(DONE);
-    // The same again replaces its own files; another program does not.
+    // The same program again replaces its own files; another program does not.
     bench.command(&["build", "-", "-o", "out"]).write_stdin(SMALL).assert().code(DONE);
     says(&err(&bench.run(&["build", "a.twz", "-o", "out"]).code(FILES)), &["<stdin>"]);
     let wrong = bench.command(&["check", "-"]).write_stdin(SMALL.replace("move", "mvoe")).assert().code(ERRORS);
@@ -41,7 +42,7 @@ fn a_check_may_plan_and_writes_nothing() {
     assert_eq!(checked["checked"], "a.twz");
     assert_eq!(checked["schedules"][0]["plans"], built["schedules"][0]["plans"]);
     says(checked["schedules"][0]["plans"][0]["summary"].as_str().expect("a text"), &["optimal (bound"]);
-    // Without a plan it is no check that is passed, in any format; the checker alone has nothing against it.
+    // Without a plan, `check --plan` does not succeed in any format; the checker alone has no objection.
     let walled = SMALL.replace(
         "task go on bot",
         "scene s { obstacle wall : cells { from: (1, 0), to: (1, 3) } }\ntask go on bot in s",
@@ -64,7 +65,7 @@ fn all_formats_are_those_that_have_a_form() {
     says(&out(&built), &["out/go.mcap", "out/go.svg", "Left out  scpi", "Left out  nidaqmx", "Left out  gcode"]);
     let json = bench.run(&["build", "a.twz", "--emit", "all", "-o", "out", "--format", "json"]).code(DONE);
     says(&out(&json), &["\"left_out\":[{\"format\":\"scpi\""]);
-    // What is named must be written.
+    // A format that was named must be written.
     says(&err(&bench.run(&["build", "a.twz", "--emit", "all,scpi", "-o", "out"]).code(ERRORS)), &["E0824"]);
 }
 
@@ -91,7 +92,8 @@ fn a_folder_that_cannot_be_written_is_found_before_the_search_for_a_plan() {
     says(&err(&failed), &["it is a file, and no folder"]);
 }
 
-/// A log that keeps its own program and not another one is no bug of Tweeze: it says whose it is, and each broken rule once.
+/// A log that keeps its own program but not another one is not a bug of Tweeze: the report says whose it is, and names
+/// each broken rule once.
 #[test]
 fn a_log_of_another_program_is_told_so() {
     let bench = Bench::new();
@@ -125,7 +127,7 @@ fn a_file_of_devices_alone_is_no_reason_to_warn_of_its_devices() {
     assert!(err(&listed).is_empty() && out(&listed).contains("bot: dimibot"), "{}", err(&listed));
 }
 
-/// A project of each template builds at once and without a word, and is in canonical form; nothing is written over.
+/// A project from each template builds at once without a diagnostic and is in canonical form; nothing is overwritten.
 #[test]
 fn a_new_project_builds_at_once() {
     let bench = Bench::new();

@@ -1,4 +1,4 @@
-//! `--watch`: each change of a program's files is built.
+//! `--watch`: each change to a program's files is built.
 
 use crate::{Bench, DONE, SMALL, USAGE, err, out, says};
 use std::fs;
@@ -8,10 +8,10 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::Duration;
 
-/// No build of these tests takes longer, whatever else the machine does.
+/// No build of these tests takes longer, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A program that watches, and the lines that it prints.
+/// A watching program and the lines that it prints.
 struct Watched {
     process: Child,
     lines: Receiver<String>,
@@ -28,7 +28,7 @@ impl Watched {
         Watched { process, lines }
     }
 
-    /// The lines of the next build, with the one that ends it.
+    /// The lines of the next build, including the one that ends it.
     #[track_caller]
     fn build(&self) -> String {
         let mut built = String::new();
@@ -119,6 +119,6 @@ fn what_cannot_change_is_not_watched() {
         says(&err(&wrong), &["--watch needs a", &format!("Usage: tweeze {}", arguments[0])]);
         assert_eq!(out(&wrong), "");
     }
-    // Wrong usage is not watched either: it ends.
+    // Wrong usage is not watched; the command ends.
     says(&err(&bench.run(&["build", "a.twz", "--at", "1ms", "--watch"]).code(USAGE)), &["--emit svg"]);
 }

@@ -1,4 +1,4 @@
-//! The blocks of a page at work, in a folder of their own.
+//! Runs the blocks of a page in its own folder.
 
 use super::blocks::{Block, ELISION, blocks, matches, rewritten};
 use super::{assert_nothing, pages, read, root, updates};
@@ -12,20 +12,21 @@ use tweeze::diagnostic::Sink;
 use tweeze::format::format;
 use tweeze::source::Sources;
 
-/// Pages of programs that other tests compile: `tests/examples.rs`, the published devices of every program, and the rest of this file.
+/// Pages whose programs are compiled by other tests: `tests/examples.rs`, the tests of published devices in every
+/// program, and the rest of this file.
 const WITHOUT_BLOCKS: [&str; 3] = ["docs/examples.md", "docs/library.md", "docs/diagnostics.md"];
 
-/// A page at work.
+/// The state of a page while its blocks run.
 struct Bench {
     folder: TempDir,
     wrong: Vec<String>,
     rewritten: Vec<(Block, Vec<String>)>,
 }
 
-/// A command of a block, and what its page shows behind it.
+/// A command of a block with the output that its page shows.
 #[derive(Debug, Default)]
 struct Shown {
-    /// Its lines as they stand on the page.
+    /// Its lines as they are on the page.
     source: Vec<String>,
     command: String,
     prints: Vec<String>,
@@ -84,7 +85,7 @@ impl Bench {
         }
     }
 
-    /// The files of the page that are texts, by name.
+    /// The text files of the page's folder, by name.
     fn texts(&self) -> BTreeMap<String, String> {
         let entries = fs::read_dir(self.folder.path()).expect("the folder of the page").flatten();
         let text = |path: &Path| fs::read_to_string(path).ok();
@@ -93,7 +94,7 @@ impl Bench {
             .collect()
     }
 
-    /// The status of a command, and the lines that it prints on either output.
+    /// Runs a command; returns its status and the lines of both outputs.
     fn run(&self, command: &str) -> (i32, Vec<String>) {
         let binary = Path::new(env!("CARGO_BIN_EXE_tweeze"));
         let path = std::env::var_os("PATH").unwrap_or_default();
@@ -113,7 +114,7 @@ impl Bench {
         (output.status.code().unwrap_or(-1), text.trim_end().lines().map(|line| line.trim_end().to_owned()).collect())
     }
 
-    /// Whether the programs are there that a block needs; in CI all of them are.
+    /// Whether the programs that a block needs are available; in CI all of them must be.
     fn is_possible(&self, block: &Block) -> bool {
         let needed = block.value("needs").into_iter().flat_map(|needs| needs.split(','));
         let is_there = |program: &str| self.run(&format!("command -v {program}")).0 == 0;
@@ -173,7 +174,7 @@ impl Bench {
     }
 }
 
-/// The commands of a block: each begins with `$ `, and goes on after a `\`.
+/// The commands of a block: each begins with `$ ` and is continued after a `\`.
 fn commands(block: &Block) -> Vec<Shown> {
     let mut commands: Vec<Shown> = Vec::new();
     for line in &block.lines {
@@ -197,11 +198,11 @@ fn commands(block: &Block) -> Vec<Shown> {
     commands
 }
 
-/// Where commands of a page write what the page shows as pictures, and where these stand in the book.
+/// Folder to which commands of a page write pictures, and folder of the pictures in the book.
 const PICTURES: [&str; 2] = ["pictures", "docs/pictures/tutorials"];
 
 impl Bench {
-    /// Compares the pictures that the page has written with those of the book.
+    /// Compares the pictures that the page's commands have written with those of the book.
     fn compare_pictures(&mut self) {
         let [written, shown] = [self.folder.path().join(PICTURES[0]), root().join(PICTURES[1])];
         for entry in fs::read_dir(written).into_iter().flatten().flatten() {
@@ -220,7 +221,7 @@ impl Bench {
     }
 }
 
-/// Works through one page; what is wrong on it.
+/// Runs one page; returns its faults.
 fn work_through(page: &str) -> Vec<String> {
     let text = read(page);
     let mut bench = Bench::new();
@@ -234,7 +235,7 @@ fn work_through(page: &str) -> Vec<String> {
     bench.wrong.iter().map(|wrong| format!("{page}:{wrong}")).collect()
 }
 
-/// The pages of one part of the book, so that parts are run at the same time.
+/// Runs the pages of one part of the book; the parts are separate tests, so that they run in parallel.
 fn work_through_all(is_part: impl Fn(&str) -> bool) {
     let pages: Vec<String> =
         pages().into_iter().filter(|page| is_part(page) && !WITHOUT_BLOCKS.contains(&page.as_str())).collect();

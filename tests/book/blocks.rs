@@ -5,15 +5,15 @@
 pub struct Block {
     /// The line of its opening fence, from 1.
     pub line: usize,
-    /// What it is: the first word after the fence.
+    /// Its language: the first word after the fence.
     pub language: String,
-    /// The words behind it.
+    /// The other words after the fence.
     words: Vec<String>,
-    /// The line before its fence.
+    /// The line before the fence.
     pub before: String,
     /// Its lines.
     pub lines: Vec<String>,
-    /// The rest of a program, from the comment before it.
+    /// The rest of the program, from the comment before the block.
     hidden: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ impl Block {
         self.lines.join("\n") + "\n"
     }
 
-    /// The whole text: its lines, within the hidden ones.
+    /// The whole program: its lines inserted into the hidden ones.
     pub fn text(&self) -> String {
         let mut lines: Vec<&str> = Vec::new();
         let mut is_placed = false;
@@ -51,7 +51,7 @@ impl Block {
     }
 }
 
-/// Stands for any lines, and within a line for any text.
+/// Stands for any lines, or within a line for any text.
 pub const ELISION: &str = "…";
 
 const FENCE: &str = "```";
@@ -93,7 +93,7 @@ pub fn rewritten(text: &str, replaced: &[(Block, Vec<String>)]) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Whether lines are those expected, elisions filled.
+/// Whether lines match the expected ones, which may contain elisions.
 pub fn matches(expected: &[String], lines: &[String]) -> bool {
     match (expected.split_first(), lines.split_first()) {
         (None, None) => true,

@@ -1,4 +1,5 @@
-//! Pages made of what the program prints: the vocabulary and the diagnostics; and those that include whole files.
+//! Generated pages, made from what the program prints (the vocabulary and the diagnostics), and pages that include
+//! whole files.
 
 use super::blocks::blocks;
 use super::{assert_nothing, read, root, updates};
@@ -8,7 +9,7 @@ use std::process::Command;
 use tweeze::device::Kind;
 use tweeze::device::instrument::Family;
 
-/// What `tweeze` prints.
+/// Output of `tweeze`.
 fn printed(arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_tweeze")).args(arguments).output().expect("the program starts");
     assert!(output.status.success(), "{arguments:?}");
@@ -22,11 +23,11 @@ fn assert_generated(page: &str, text: &str) {
     assert!(read(page) == text, "{page} is not what the program prints: TWEEZE_UPDATE=1 rewrites it");
 }
 
-/// The columns of `tweeze devices`: where a term begins, and where its meaning.
+/// Columns of `tweeze devices` at which a term and its meaning begin.
 const TERM: usize = 2;
 const MEANING: usize = 34;
 
-/// Whether a line has a meaning in its column; a long term has a line of its own.
+/// Whether a line has a meaning in its column; a long term has its own line.
 fn has_meaning(line: &str) -> bool {
     let near: Vec<char> = line.chars().skip(MEANING - 2).take(3).collect();
     matches!(near.as_slice(), [' ', ' ', first] if *first != ' ')
@@ -61,7 +62,7 @@ fn barred(cell: &str) -> String {
     cell.replace('|', "\\|")
 }
 
-/// A text with `<device>` shown and not taken for a tag.
+/// A text in which `<device>` is displayed instead of parsed as a tag.
 fn shown(text: &str) -> String {
     let parts = text.split('`').enumerate();
     let parts = parts.map(|(at, part)| if at % 2 == 0 { part.replace('<', "\\<") } else { part.to_owned() });
@@ -111,7 +112,7 @@ fn the_vocabulary_is_that_of_the_compiler() {
     assert_generated("docs/vocabulary.md", &page);
 }
 
-/// Markdown with every heading one level further down.
+/// Markdown with every heading one level lower.
 fn demoted(text: &str) -> String {
     let mut is_code = false;
     let mut lines = Vec::new();
@@ -131,7 +132,7 @@ fn the_diagnostics_are_those_of_the_compiler() {
     assert_generated("docs/diagnostics.md", &page);
 }
 
-/// Every file of a folder is included under its name, and nothing else.
+/// Asserts that a page includes every file of a folder under its name, and no others.
 fn assert_included(page: &str, folder: &str) {
     let entries = fs::read_dir(root().join(folder)).expect("the folder is there").flatten();
     let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
@@ -152,14 +153,14 @@ fn examples_and_library_are_whole() {
 /// Prepositions of steps.
 const PREPOSITIONS: [&str; 7] = ["about", "at", "by", "for", "to", "via", "with"];
 
-/// Sections of `tweeze devices` that name no word of a program.
+/// Sections of `tweeze devices` that contain no words of programs.
 const WITHOUT_WORDS: [&str; 4] = ["Channels", "Outputs", "To begin with", "Played by"];
 
 fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty())
 }
 
-/// The words that a kind or a family brings: of each term the first one, the fields in its braces, and the prepositions.
+/// The words that a kind or family adds: the first word of each term, the fields in its braces, and the prepositions.
 fn vocabulary(printed: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let mut has_words = true;
@@ -187,7 +188,7 @@ fn every_form_is_on_its_page() {
     for name in Kind::ALL.iter().map(|kind| kind.name()).chain(Family::ALL.iter().map(|family| family.name())) {
         let (_, rest) = page.split_once(&format!("\n## {name}\n")).unwrap_or_else(|| panic!("no section {name}"));
         let section = rest.split("\n## ").next().unwrap_or_default();
-        // A card is in the section of a generator, too.
+        // A card is mentioned in the section of a generator, too.
         let text = if Kind::find(name).is_some() { section } else { page.as_str() };
         let shown: Vec<String> = blocks(text).into_iter().filter(|b| b.language == "twz").map(|b| b.text()).collect();
         let shown: BTreeSet<&str> = shown.iter().flat_map(|text| words(text)).collect();

@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 
 const SUMMARY: &str = "docs/SUMMARY.md";
 
-/// The links of a page outside of its blocks and code: the text in the round brackets.
+/// The link targets of a page outside code: the text in the round brackets.
 fn links(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     for line in prose(text) {
@@ -20,7 +20,7 @@ fn links(text: &str) -> Vec<String> {
     found
 }
 
-/// The lines outside of fenced blocks, without what stands in backquotes.
+/// The lines outside fenced blocks, without code spans.
 fn prose(text: &str) -> Vec<String> {
     let mut is_code = false;
     let mut lines = Vec::new();
@@ -34,12 +34,12 @@ fn prose(text: &str) -> Vec<String> {
     lines
 }
 
-/// A line without its spans of code; a link whose text is code stays a link.
+/// A line without its code spans; a link whose text is code remains a link.
 fn without_code(line: &str) -> String {
     line.split('`').step_by(2).collect::<Vec<_>>().join("code")
 }
 
-/// The anchors of a page, as mdBook and forges make them of headings.
+/// The anchors of a page, in the form that mdBook and forges derive from headings.
 fn anchors(text: &str) -> BTreeSet<String> {
     let mut is_code = false;
     let mut found = BTreeSet::new();
@@ -55,7 +55,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
     found
 }
 
-/// A path from the root, `..` resolved.
+/// A path from the root with `..` resolved.
 fn resolved(page: &str, target: &str) -> String {
     let from = Path::new(page).parent().unwrap_or(Path::new(""));
     let mut path = PathBuf::new();

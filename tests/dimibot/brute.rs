@@ -1,7 +1,7 @@
-//! Brute force over every state of a task: the cells visited, the next step, the place of the tip.
+//! Brute force over every state of a task: the cells visited, the next step, and the place of the tip.
 //!
-//! Based on docs/language.md and the paper; shares no code with the compiler. Figures are whole numbers: distance in units of the finer
-//! pitch, switches, pulses.
+//! Based on docs/language.md and the paper; shares no code with the compiler. Figures are integers: distance in units
+//! of the finer pitch, switches, pulses.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -19,7 +19,7 @@ pub enum Part {
     All(Vec<Cell>),
 }
 
-/// What stands in the way, in half cells: an even number is a cell, an odd one the gap after it.
+/// An obstacle in half cells: an even number is a cell, an odd one the gap after it.
 #[derive(Debug, Clone, Copy)]
 pub struct Block {
     pub low: Cell,
@@ -33,7 +33,8 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// Whether everything between two cells is free: where the tip may be while the modules switch in which they differ.
+    /// Whether the whole rectangle between two cells is free, in which the tip may be while the differing modules
+    /// switch.
     pub fn is_free(&self, a: Cell, b: Cell) -> bool {
         let low = [0, 1].map(|axis| 2 * (a[axis] & b[axis]));
         let high = [0, 1].map(|axis| 2 * (a[axis] | b[axis]));
@@ -48,7 +49,7 @@ impl Lattice {
         (0..1 << left).flat_map(|x| (0..1 << right).map(move |y| [x, y])).collect()
     }
 
-    /// From each cell the cells that one pulse leads to.
+    /// For each cell, the cells that one pulse leads to.
     fn moves(&self, with_pulses: bool) -> BTreeMap<Cell, Vec<(Cell, Figures)>> {
         let cells = self.cells();
         let mut next: BTreeMap<Cell, Vec<(Cell, Figures)>> = BTreeMap::new();
@@ -60,7 +61,7 @@ impl Lattice {
         next
     }
 
-    /// What switching from one cell to the other takes.
+    /// Figures of switching from one cell to the other.
     fn figures(&self, a: Cell, b: Cell) -> Figures {
         let finest = self.modules[0].max(self.modules[1]);
         let masks = [a[0] ^ b[0], a[1] ^ b[1]];
@@ -69,14 +70,14 @@ impl Lattice {
     }
 }
 
-/// The next part and the visited cells of it.
+/// The index of the next part, and the visited cells of that part.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct TaskProgress {
     part: usize,
     visited: u32,
 }
 
-/// All plans of a task of which none is better in every figure, by their figures.
+/// The Pareto front of a task: the figures of all plans that no other plan dominates.
 pub fn front(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool) -> Vec<Figures> {
     let mut all = Vec::new();
     for figures in fronts(lattice, start, parts, with_pulses).into_values().flatten() {
@@ -85,7 +86,7 @@ pub fn front(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool) 
     all
 }
 
-/// The same for each cell in which a plan ends.
+/// The same for each final cell.
 pub fn fronts(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool) -> BTreeMap<Cell, Vec<Figures>> {
     let next = lattice.moves(with_pulses);
     let mut known: BTreeMap<(TaskProgress, Cell), Vec<Figures>> = BTreeMap::new();
@@ -110,7 +111,7 @@ pub fn fronts(lattice: &Lattice, start: Cell, parts: &[Part], with_pulses: bool)
     ends
 }
 
-/// How much of a task is done once the tip stands on a cell, if that is more than before.
+/// Progress of a task once the tip is on a cell; `None` if there is none.
 fn advanced(parts: &[Part], progress: TaskProgress, cell: Cell) -> Option<TaskProgress> {
     let next = TaskProgress { part: progress.part + 1, visited: 0 };
     match &parts[progress.part] {
@@ -124,7 +125,8 @@ fn advanced(parts: &[Part], progress: TaskProgress, cell: Cell) -> Option<TaskPr
     }
 }
 
-/// The least figures in the order of a key, which must grow with each figure; for tasks too long for a front.
+/// The least figures in the order of a key that must be monotone in each figure; for tasks that are too long for a
+/// front.
 pub fn least(lattice: &Lattice, start: Cell, parts: &[Part], key: impl Fn(Figures) -> Figures) -> Option<Figures> {
     let next = lattice.moves(false);
     let mut done: BTreeSet<(TaskProgress, Cell)> = BTreeSet::new();
@@ -138,7 +140,7 @@ pub fn least(lattice: &Lattice, start: Cell, parts: &[Part], key: impl Fn(Figure
         }
         if let Some(progress) = advanced(parts, progress, cell) {
             queue.push(Reverse((key(figures), figures, progress, cell)));
-            // Whoever stands on a place has visited it.
+            // A tip on a place has visited it.
             continue;
         }
         for (to, more) in &next[&cell] {
@@ -149,7 +151,7 @@ pub fn least(lattice: &Lattice, start: Cell, parts: &[Part], key: impl Fn(Figure
     None
 }
 
-/// Adds figures that none of the known is within; `false` if there is one.
+/// Adds figures unless a known entry dominates them; returns whether they were added.
 fn add(known: &mut Vec<Figures>, figures: Figures) -> bool {
     let is_within = |a: &Figures, b: &Figures| (0..3).all(|k| a[k] <= b[k]);
     if known.iter().any(|other| is_within(other, &figures)) {

@@ -1,4 +1,4 @@
-//! Programs that were answered wrongly once, from `tests/found`.
+//! Programs in `tests/found` that once got a wrong answer.
 
 use super::support::found;
 use super::{answer, answers};
@@ -38,6 +38,6 @@ fn the_blame_for_a_way_that_is_shut_has_its_own_budget() {
     let reported = answer(&found("dimibot_slow_no_plan")).expect_err("there is no way");
     assert_eq!(reported.len(), 1);
     assert_eq!(reported[0].code.name(), "E0601");
-    // The budget ends before the smallest set is known, and the report says so.
+    // The budget is used up before the smallest set is known, and the report says so.
     assert!(reported[0].help.as_ref().is_some_and(|help| help.contains("were not found")), "{reported:?}");
 }

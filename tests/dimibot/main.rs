@@ -1,5 +1,5 @@
-//! Plans of DiMiBots against brute force: feasibility, cost, bound, `optimal`, ties and limits of random small tasks, and the programs that
-//! once were answered wrongly.
+//! Plans of DiMiBots compared with brute force: feasibility, cost, bound, `optimal`, ties and limits of small random
+//! tasks, and programs that once got a wrong answer.
 //!
 //! `TWEEZE_ORACLE_CASES` sets the number of random scenes.
 
@@ -20,7 +20,7 @@ use tweeze::schedule::{PlanRecord, Schedule};
 
 const UNITS: [f64; 4] = [1.0, 1.0, 1e-6, 1e3];
 
-/// A plan, or what was reported instead.
+/// A plan, or the diagnostics reported instead.
 type Answer = Result<PlanRecord, Vec<Diagnostic>>;
 
 fn answer(text: &str) -> Answer {
@@ -49,7 +49,7 @@ fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
 }
 
-/// How often each kind of answer was seen.
+/// Counts of outcomes.
 #[derive(Debug, Default)]
 struct Seen {
     plans: usize,
@@ -60,7 +60,7 @@ struct Seen {
     contradictions: usize,
 }
 
-/// Holds an answer against the truth. `searches` says whether the planner promises to find what there is.
+/// Compares an answer with the truth. `searches` is whether the planner guarantees to find a plan if there is one.
 fn judge(
     scene: &Scene,
     front: &[Figures],
@@ -108,7 +108,7 @@ fn judge(
             let proven = reported.iter().any(|reported| reported.title.starts_with("no plan keeps"));
             assert!(!proven || best.is_none(), "there is a plan {best:?}: {reported:?}\n{text}");
             if let Some(best) = best.filter(|_| searches) {
-                // Limits from below are only held against the plan that was found.
+                // Lower limits are only checked for the plan that was found.
                 let misses = |limit: &Limit| !limit.holds(scene.outcome(limit.outcome, *best));
                 assert!(limits.iter().any(misses), "a plan was missed: {best:?} {reported:?}\n{text}");
             }
@@ -123,14 +123,14 @@ fn judge(
     }
 }
 
-/// Where a report names the least value, a limit of it would do, and nothing less.
+/// Whether a report names the least value, and that value is correct: a limit there can be kept, and no lower one.
 fn advice_holds(scene: &Scene, front: &[Figures], limits: &[Limit], reported: &Diagnostic, text: &str) -> bool {
     let label = &reported.labels[0];
     let Some(value) = label.text.strip_prefix("proven: the least is ") else { return false };
     let value = value.strip_suffix(" with the other limits").unwrap_or(value);
     let line = text[label.span.start as usize..].split_whitespace().next().expect("a limit begins with an outcome");
     let outcome = OUTCOMES.iter().position(|name| *name == line).expect("the label stands at an outcome");
-    // The limits stand in their order.
+    // The limits are numbered in the order of the text.
     let index = text[..label.span.start as usize].matches("  require ").count() - 1;
     let others = |figures: &&Figures| {
         let mut others = limits.iter().enumerate().filter(|(other, _)| *other != index);
@@ -154,7 +154,7 @@ fn advice_holds(scene: &Scene, front: &[Figures], limits: &[Limit], reported: &D
     true
 }
 
-/// A scene with all its best plans; every second one, if it can be, with plans of which none is the best in everything.
+/// A scene with its Pareto front; in every second round, if possible, one with more than one plan on the front.
 fn drawn(random: &mut Random, round: usize, has_pulses: bool) -> (Scene, Vec<Figures>) {
     let mut draw = || {
         let scene = Scene::random(random, has_pulses);
@@ -207,7 +207,7 @@ fn plans_with_several_modules_in_a_pulse_agree_with_brute_force() {
             let limits = scene.limits(&front, &mut random);
             judge(&scene, &front, 2, &limits, &scene.text(settings, &limits), true, &mut seen);
         }
-        // With any other objective the setting changes nothing.
+        // For any other objective the setting has no effect.
         let single = brute::front(&scene.lattice, scene.start, &scene.parts, false);
         let objective = [0, 1, 3][round % 3];
         let settings = settings.replace("time", OUTCOMES[objective]);

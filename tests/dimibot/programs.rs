@@ -1,4 +1,5 @@
-//! Programs of several tasks on two robots: each starts where its robot's last task ended, and is optimal from there.
+//! Programs of several tasks on two robots: each task starts where its robot's last task ended, and is optimal from
+//! there.
 
 use super::brute::{self, Cell, Figures};
 use super::scene::{KEYS, Limit, OUTCOMES, Random, Scene};
@@ -17,7 +18,7 @@ struct Work {
 }
 
 impl Work {
-    /// The figures of the best plan from a cell, and where plans with these figures end.
+    /// The figures of the best plan from a cell, and the final cells of plans with these figures.
     fn best(&self, start: Cell) -> Option<(Figures, BTreeSet<Cell>)> {
         let keeps = |figures: &Figures| {
             self.limits.iter().all(|limit| limit.allows(self.scene.outcome(limit.outcome, *figures)))
@@ -29,7 +30,7 @@ impl Work {
         Some((best, last))
     }
 
-    /// Whether a plan with these figures keeps the limits from below too, which are not searched.
+    /// Whether a plan with these figures keeps all limits, including lower limits, which are not searched for.
     fn holds(&self, figures: Figures) -> bool {
         self.limits.iter().all(|limit| limit.holds(self.scene.outcome(limit.outcome, figures)))
     }
@@ -42,7 +43,7 @@ impl Work {
 
 const ROBOTS: [&str; 2] = ["one", "two"];
 
-/// Up to three tasks for each robot, the limits near what they come to.
+/// Up to three tasks for each robot, with limits near the best figures.
 fn works(random: &mut Random) -> [Vec<Work>; 2] {
     [(); 2].map(|()| {
         let first = Scene::random(random, true);
@@ -66,7 +67,7 @@ fn works(random: &mut Random) -> [Vec<Work>; 2] {
     })
 }
 
-/// The runs of both robots, each robot's in their order, some at the same time.
+/// The runs of both robots, each robot's in order, some in parallel.
 fn runs(works: &[Vec<Work>; 2], random: &mut Random) -> String {
     let mut next = [0, 0];
     let mut text = String::new();
@@ -102,7 +103,7 @@ fn cell(state: &State) -> Cell {
     *cell
 }
 
-/// Each plan of a robot against the best from where it begins.
+/// Compares each plan of a robot with the best plan from where it begins.
 fn judge(works: &[Work], plans: &[&PlanRecord], text: &str) {
     assert_eq!(works.len(), plans.len(), "{text}");
     let mut at = works[0].scene.start;
@@ -121,7 +122,8 @@ fn judge(works: &[Work], plans: &[&PlanRecord], text: &str) {
     }
 }
 
-/// Whether some task is without a plan from one of the places where the one before it may have ended (`may`), and from all of them (`must`).
+/// Whether some task has no plan from one of the possible final cells of the task before it (`may`), or from all of
+/// them (`must`).
 struct Failure {
     may: bool,
     must: bool,
@@ -151,7 +153,7 @@ fn programs_of_several_tasks_agree_with_brute_force() {
     let mut random = Random::new(44);
     let (mut planned, mut refused, mut proven) = (BTreeMap::new(), 0, 0);
     for round in 0..cases(25) {
-        // Most programs have a plan for every task.
+        // In three of four rounds, only programs with a plan for every task.
         let mut draws = (0..1000).map(|_| works(&mut random));
         let works = match round % 4 {
             0 => draws.next(),

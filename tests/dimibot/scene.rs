@@ -1,4 +1,4 @@
-//! Random tasks for a small DiMiBot: as text for the compiler, and as numbers for brute force.
+//! Random tasks for a small DiMiBot: as text for the compiler and as numbers for brute force.
 
 #[path = "../support/random.rs"]
 mod random;
@@ -9,10 +9,10 @@ use std::fmt::Write;
 
 pub const OUTCOMES: [&str; 4] = ["distance", "switches", "time", "energy"];
 
-/// Their keys in schedules.
+/// Keys of the outcomes in schedules.
 pub const KEYS: [&str; 4] = ["distance_um", "switches", "time_ns", "energy_j"];
 
-/// A robot, what stands in its way, and what it is to do.
+/// A robot, its obstacles, and its task.
 #[derive(Debug, Clone)]
 pub struct Scene {
     pub lattice: Lattice,
@@ -22,7 +22,7 @@ pub struct Scene {
     pulse_ms: u32,
     rest_ms: u32,
     wait_ms: u32,
-    /// The device says where it starts, and not the task.
+    /// The device gives the start, and the task does not.
     starts_at_home: bool,
     objects: String,
     steps: String,
@@ -38,12 +38,13 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// Whether a value keeps it from above; limits from below are not searched for.
+    /// Whether a value keeps the limit as an upper bound; lower limits are not searched for.
     pub fn allows(&self, value: f64) -> bool {
         self.relation.starts_with('>') || self.holds(value) || (self.relation == "==" && value < self.value)
     }
 
-    /// Whether no value at all keeps all these limits, of one outcome or several: tried at the limits, between them and beyond them.
+    /// Whether no value at all keeps all these limits on some outcome; values at the limits, between them and beyond
+    /// them are tried.
     pub fn contradict(limits: &[Limit]) -> bool {
         (0..OUTCOMES.len()).any(|outcome| {
             let of: Vec<&Limit> = limits.iter().filter(|limit| limit.outcome == outcome).collect();
@@ -100,14 +101,14 @@ impl Scene {
         }
     }
 
-    /// Another task of the same robot among the same obstacles.
+    /// Another task for the same robot with the same obstacles.
     pub fn another(&self, random: &mut Random) -> Scene {
         let mut other = Scene { parts: Vec::new(), wait_ms: 0, steps: String::new(), ..self.clone() };
         other.set_steps(random);
         other
     }
 
-    /// A task of one visit to so many places.
+    /// A task with a single visit to `places` places.
     pub fn long_visit(random: &mut Random, places: u32) -> Scene {
         let mut scene = Scene::random(random, true);
         let places: Vec<Cell> = (0..places).map(|_| scene.free_cell(random)).collect();
@@ -118,7 +119,7 @@ impl Scene {
         scene
     }
 
-    /// A cell as a cell, as a word, or as a place of which it is the nearest.
+    /// A cell written as a cell, as a word, or as a place that it is nearest to.
     fn target(&self, cell: Cell, random: &mut Random) -> String {
         let [left, right] = self.lattice.modules.map(|modules| modules as usize);
         match random.below(4) {
@@ -148,7 +149,7 @@ impl Scene {
     fn add_obstacle(&mut self, number: u32, random: &mut Random) {
         let at = self.lattice.modules.map(|modules| random.below(1 << modules));
         let gap = random.below(3) as usize;
-        // On cells, or a disc in the gap after a cell along one axis.
+        // Blocks on a cell, or a disc in the gap after a cell along one axis.
         let block = match gap {
             2 => Block { low: at.map(|at| 2 * at), high: at.map(|at| 2 * at) },
             axis => {
@@ -192,7 +193,7 @@ impl Scene {
         }
     }
 
-    /// What a plan's figures come to in an outcome, in um, switches, ms and mJ (20 V and 100 mA).
+    /// Value of an outcome for a plan's figures, in um, switches, ms and mJ (20 V and 100 mA).
     pub fn outcome(&self, outcome: usize, [distance, switches, pulses]: Figures) -> f64 {
         match outcome {
             0 => distance as f64 * self.pitch_um(0).min(self.pitch_um(1)),
@@ -202,7 +203,7 @@ impl Scene {
         }
     }
 
-    /// What decides between plans, most important first.
+    /// Figures in order of importance for an objective.
     pub fn key(&self, objective: usize, [distance, switches, pulses]: Figures) -> Figures {
         match objective {
             0 => [distance, switches, pulses],
@@ -211,7 +212,7 @@ impl Scene {
         }
     }
 
-    /// Limits at or beside what some best plan comes to.
+    /// Limits at or near the figures of some best plan.
     pub fn limits(&self, front: &[Figures], random: &mut Random) -> Vec<Limit> {
         let unit = |outcome: usize| self.outcome(outcome, [1, 1, 1]) - self.outcome(outcome, [0, 0, 0]);
         let count = 1 + random.below(3);
@@ -234,7 +235,7 @@ impl Scene {
         )
     }
 
-    /// The robot and what stands in its way.
+    /// The robot and its obstacles.
     pub fn robot(&self, name: &str) -> String {
         let [left, right] = self.lattice.modules;
         let home =

@@ -1,18 +1,19 @@
-//! Ground truth on tiny instances: every joint state of a few parts, each step of all of them tried. Plain and exhaustive.
+//! Ground truth on tiny instances: exhaustive search over the joint states of a few parts.
 //!
 //! A part's state is its cell, the number of stops passed, and, for the sum of costs, whether it has arrived for good,
-//! after which it stays and costs nothing. All joint states are numbered, and Dijkstra's algorithm runs over the numbers.
+//! after which it stays and costs nothing. All joint states are numbered, and Dijkstra's algorithm runs over the
+//! numbers.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use tweeze::plan::electrode_array::board::{BoardObjective, CellIndex, Instance};
 
-/// The least makespan or sum of costs, or none if no plan exists; of the agents of `group`, as if the others were not there.
+/// The least makespan or sum of costs for the agents of `group` without the others; `None` if no plan exists.
 pub fn least(instance: &Instance, group: &[usize], objective: BoardObjective) -> Option<u64> {
     Joint::new(instance, group, objective).search()
 }
 
-/// How many joint states a search of so many agents may have.
+/// Number of joint states of a search for the agents of `group`.
 pub fn states(instance: &Instance, group: &[usize]) -> u64 {
     let free = (0..instance.board.cells() as CellIndex).filter(|cell| !instance.board.is_blocked(*cell)).count() as u64;
     free.saturating_pow(group.len() as u32)
@@ -25,9 +26,9 @@ struct Joint<'a> {
     /// For each member and each of its states, the cell and the states one step later.
     members: Vec<Vec<(CellIndex, Vec<usize>)>>,
     starts: Vec<usize>,
-    /// For each member, its state on its goal.
+    /// For each member, its state at its goal.
     homes: Vec<usize>,
-    /// The same; for the sum of costs, its state when it has arrived for good.
+    /// For each member, its final state; for the sum of costs, the state of having arrived for good.
     ends: Vec<usize>,
 }
 
@@ -41,7 +42,8 @@ impl<'a> Joint<'a> {
         joint
     }
 
-    /// The states of one agent: those on the way by cell and stops done, then the one of having arrived for good.
+    /// Adds the states of one agent: those under way, by cell and stops passed, then the state of having arrived for
+    /// good.
     fn add(&mut self, agent: usize) {
         let board = &self.instance.board;
         let stops = &self.instance.agents[agent].stops;
@@ -116,7 +118,8 @@ impl<'a> Joint<'a> {
         None
     }
 
-    /// All agents at their starts; for the sum of costs also with some of those that are at home there for good.
+    /// All agents at their starts; for the sum of costs, also with any of those that start at their goals already
+    /// arrived for good.
     fn starting(&self) -> Vec<Vec<usize>> {
         let mut all = vec![self.starts.clone()];
         for member in 0..self.group.len() {
@@ -153,7 +156,7 @@ impl<'a> Joint<'a> {
         state
     }
 
-    /// The numbers of all joint states one step later; calls itself once for each member.
+    /// The numbers of all joint states one step later; recursive over the members.
     fn successors(&self, from: &[usize], to: &mut Vec<usize>, found: &mut Vec<usize>) {
         let member = to.len();
         if member == from.len() {
@@ -168,7 +171,7 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// Whether the last member's move keeps the rule with the moves of those before it.
+    /// Whether the last member's move keeps the separation rule with the moves of the members before it.
     fn last_fits(&self, from: &[usize], to: &[usize]) -> bool {
         let last = to.len() - 1;
         let ends = |member: usize| [from[member], to[member]].map(|state| self.members[member][state].0);

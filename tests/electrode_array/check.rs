@@ -1,14 +1,15 @@
-//! An independent checker of plans: it walks through a plan step by step and examines each move.
+//! Independent checker of plans: walks through a plan step by step and examines each move.
 //!
-//! It shares nothing with the planner but the types of the problem: columns and rows are separated again, and the rule is checked on
-//! moves (all four combinations of the starts and ends of two parts), where the planner checks single positions.
+//! It shares only the types of the problem with the planner: columns and rows are separated again, and the rule is
+//! checked on moves (all four combinations of the starts and ends of two parts), where the planner checks single
+//! positions.
 
 use tweeze::plan::electrode_array::board::{BoardAnswer, BoardCosts, BoardPlan, CellIndex, Instance, Paths};
 
 /// Column and row.
 type Place = (i64, i64);
 
-/// What is wrong with a plan, if something is.
+/// What is wrong with a plan; `None` if it is legal.
 pub fn fault(instance: &Instance, paths: &Paths) -> Option<String> {
     if paths.len() != instance.agents.len() {
         return Some(format!("{} paths for {} parts", paths.len(), instance.agents.len()));
@@ -17,7 +18,8 @@ pub fn fault(instance: &Instance, paths: &Paths) -> Option<String> {
     alone.or_else(|| fault_together(instance, paths))
 }
 
-/// Panics unless the plan of an answer is legal and its bounds are not above its costs; the costs, counted here.
+/// Asserts that the plan of an answer is legal and that its bounds do not exceed its costs; returns the costs, counted
+/// here, and the bounds.
 pub fn judged(instance: &Instance, answer: &BoardAnswer) -> Option<(BoardCosts, BoardCosts)> {
     let BoardAnswer::Found(BoardPlan { paths, bounds }) = answer else { return None };
     assert_eq!(fault(instance, paths), None, "{instance:?}");
@@ -33,7 +35,7 @@ fn place(instance: &Instance, cell: CellIndex) -> Place {
     (i64::from(cell % width), i64::from(cell / width))
 }
 
-/// One part: from its start over free cells, one at a time, by its stops to its goal.
+/// Checks one part: from its start over free cells, one at a time, through its stops to its goal.
 fn fault_alone(instance: &Instance, part: usize, path: &[CellIndex]) -> Option<String> {
     let agent = &instance.agents[part];
     let mut stops = agent.stops.iter().peekable();
@@ -62,7 +64,7 @@ fn fault_alone(instance: &Instance, part: usize, path: &[CellIndex]) -> Option<S
     stops.next().map(|stop| format!("{part} leaves out {stop}"))
 }
 
-/// Every step of all: moves that come too near to one another.
+/// Checks every step of all parts for moves that come too close to one another.
 fn fault_together(instance: &Instance, paths: &Paths) -> Option<String> {
     let last = paths.iter().map(Vec::len).max().unwrap_or(0);
     let mut crowd = Crowd::new(instance);
@@ -73,7 +75,7 @@ fn fault_together(instance: &Instance, paths: &Paths) -> Option<String> {
     })
 }
 
-/// Squares as wide as the separation, so that only parts of neighbouring squares can be too near.
+/// Spatial grid of squares as wide as the separation, so that only parts in neighbouring squares can be too close.
 struct Crowd<'a> {
     instance: &'a Instance,
     columns: i64,
@@ -115,7 +117,7 @@ impl<'a> Crowd<'a> {
         None
     }
 
-    /// A part before this one that is too near to it here.
+    /// A part before this one that is too close to it here.
     fn too_near(&self, part: usize, cell: CellIndex) -> Option<usize> {
         let (column, row) = self.square(cell);
         self.around(column, row).find(|(other, at)| self.clash(part, cell, *other, *at)).map(|(other, _)| *other)

@@ -11,7 +11,7 @@ fn planned(text: &str) -> tweeze::plan::Plan<()> {
     }
 }
 
-/// The plan of a program keeps its bound and costs no more than this.
+/// Asserts that the plan of a program is not below its bound and costs at most `most`.
 fn ends_within(name: &str, most: f64) {
     let plan = planned(&found(name));
     assert!(plan.cost >= plan.bound && plan.cost <= most, "{name}: {} of {}", plan.cost, plan.bound);
@@ -40,7 +40,7 @@ fn more_room_means_a_plan_too() {
 fn four_hundred_parts_are_planned_by_default() {
     let plan = planned(&found("ea_400_parts_gave_up"));
     assert!(plan.bound >= 287.0 && plan.cost >= plan.bound, "{} of {}", plan.cost, plan.bound);
-    // A search of configurations alone ends at 623; the best that is known is 311, found with 200 million expansions.
+    // A search over configurations alone ends at 623; the best known is 311, found with 200 million expansions.
     assert!(plan.cost <= 360.0, "{} of {}", plan.cost, plan.bound);
 }
 
@@ -62,7 +62,7 @@ fn a_part_alone_waits_for_a_sum_from_below() {
     let plan = planned(&text);
     assert_eq!((plan.outcomes["sum_of_costs"], plan.outcomes["steps"]), (5.0, 5.0));
     let moves = planned(&text.replace("sum_of_costs >= 5", "moves >= 5"));
-    // The cells are coloured like a chessboard: a way of five moves does not end there.
+    // By the parity of the cells, a path of five moves cannot end there.
     assert_eq!(moves.outcomes["moves"], 6.0);
     let two =
         planned(&text.replace("move a to (6, 2)", "move a to (6, 2)\n  move a to (5, 2)").replace(">= 5", ">= 8"));
@@ -94,7 +94,7 @@ fn a_droplet_is_not_split_beside_the_one_that_its_half_meets() {
 
 #[test]
 fn a_droplet_is_dispensed_before_the_one_that_it_meets_comes_near() {
-    // Planning panics where the verifier refuses what was planned.
+    // `planned` panics if the verifier refuses the plan.
     let plan = planned(&found("ea_dispensed_too_late"));
     assert!(plan.bound <= plan.cost, "{} of {}", plan.cost, plan.bound);
 }
@@ -107,7 +107,7 @@ fn a_droplet_does_not_merge_on_traces_that_its_partner_left_before() {
 
 #[test]
 fn a_loop_that_leaves_the_board_is_no_plan_from_there() {
-    // From the goals that come first the loop leaves the board; whoever is mixed takes another one.
+    // From the first goals the mixing loop leaves the board; the mixed droplet takes another one.
     let plan = planned(&found("ea_mixed_at_the_rim"));
     assert!(plan.bound <= plan.cost && plan.cost <= 61.0, "{} of {}", plan.cost, plan.bound);
 }
@@ -120,13 +120,13 @@ fn droplets_that_harm_each_other_are_given_places_of_their_own() {
 
 #[test]
 fn droplets_that_merge_at_a_detector_are_read_there() {
-    // 4 steps of the later one to the detector, and 84 of 60 ms there.
+    // The later droplet takes 4 steps to the detector, and reading takes 84 steps of 60 ms.
     let plan = planned(&found("ea_read_where_merged"));
     assert_eq!((plan.cost, plan.bound), (88.0, 88.0));
 }
 
-/// Six droplets of one reservoir and four mixers: 4,096 ways to choose. What takes its turns at the reservoir and at the mixers,
-/// whichever those are, proves that the plan is the shortest.
+/// Six droplets from one reservoir and four mixers: 4,096 choices. The bound on turns at the reservoir and at the
+/// mixers, whichever are chosen, proves that the plan is the shortest.
 #[test]
 fn turns_at_places_of_choice_are_proven() {
     let mut scene = String::from("reservoir r at (1, 5)\n");
@@ -144,8 +144,8 @@ fn turns_at_places_of_choice_are_proven() {
     assert_eq!((plan.cost, plan.bound), (339.0, 339.0));
 }
 
-/// 240 droplets of eight reservoirs, eight mixers and three exits: a plan that held droplets back at an exit was once refused by the
-/// verifier, which sees them leave as soon as they are there.
+/// 240 droplets, eight reservoirs, eight mixers and three exits: a plan that held droplets back at an exit was once
+/// refused by the verifier, for which they leave as soon as they are there.
 #[test]
 fn many_droplets_share_mixers_and_exits() {
     let (mut scene, mut operations) = (String::new(), String::new());
@@ -168,7 +168,7 @@ fn many_droplets_share_mixers_and_exits() {
     assert!(plan.bound >= 1_192.0 && plan.cost <= 1_900.0, "{} of {}", plan.cost, plan.bound);
 }
 
-/// Who waits in the way of others steps aside, lets them take their turn, or goes away at the end and comes back.
+/// A waiting droplet that blocks others steps aside, takes turns with them, or leaves at the end and comes back.
 #[test]
 fn droplets_step_aside() {
     for (name, most) in [("ea_waits_in_the_way", 85.0), ("ea_takes_turns", 75.0), ("ea_comes_back", 25.0)] {
@@ -316,7 +316,7 @@ fn a_wash_does_not_leave_before_it_has_washed() {
 
 #[test]
 fn long_incubations_stand_side_by_side() {
-    // One after the other they take 60,229 steps.
+    // One after the other they would take 60,229 steps.
     ends_within("ea_long_incubations", 30_400.0);
 }
 
@@ -353,7 +353,8 @@ fn who_leaves_in_a_step_without_a_beat_is_gone_in_the_states() {
     assert_eq!(parts(&plans[1]), of(&[(390, "a"), (390, "")]));
 }
 
-/// The choice that comes first leaves the part that is named next no way; the other one has a plan of 6 steps, as brute force says.
+/// The first choice of goals leaves no path for the part that is named next; another choice has a plan of 6 steps,
+/// according to brute force.
 #[test]
 fn parts_of_any_take_goals_from_which_a_later_step_has_a_plan() {
     let plan = planned(&found("ea_any_then_by_name"));
@@ -361,7 +362,8 @@ fn parts_of_any_take_goals_from_which_a_later_step_has_a_plan() {
     assert!(plan.bound <= 10.0 && plan.cost == 10.0, "{} of {}", plan.cost, plan.bound);
 }
 
-/// In a single row nobody passes, whoever takes which goal. The step after the one without a plan would begin where no plan leads.
+/// In a single row no part can pass another, whichever goals they take. The step after the one without a plan has no
+/// start that a plan leads to, so it is not reported.
 #[test]
 fn only_the_first_step_that_no_choice_leads_on_from_is_reported() {
     let errors = refused(

@@ -1,4 +1,5 @@
-//! The planner of many parts on one board, from outside: every plan checked step by step, proofs compared with brute force on tiny boards.
+//! The planner for many parts on one board, tested from outside: every plan is checked step by step, and proofs are
+//! compared with brute force on tiny boards.
 
 mod assay;
 mod brute;
@@ -24,7 +25,7 @@ use tweeze::plan::search::{Meter, SearchBudget};
 
 const OBJECTIVES: [BoardObjective; 2] = [BoardObjective::Makespan, BoardObjective::SumOfCosts];
 
-/// More joint states than this are not searched by brute force.
+/// Greatest number of joint states that brute force searches.
 const MOST_STATES: u64 = 1 << 18;
 
 fn agents(board: &BoardGrid, ends: &[[(u32, u32); 2]]) -> Vec<Agent> {
@@ -32,7 +33,7 @@ fn agents(board: &BoardGrid, ends: &[[(u32, u32); 2]]) -> Vec<Agent> {
     ends.iter().map(|[start, goal]| Agent { start: at(*start), stops: vec![at(*goal)] }).collect()
 }
 
-/// The proof that there is no plan, confirmed by brute force with the parts that it names.
+/// Confirms the proof that there is no plan by brute force with the parts that it names.
 fn confirm(instance: &Instance, why: &NoBoardPlan) {
     match why {
         NoBoardPlan::Closed { agent, .. } => {
@@ -48,7 +49,7 @@ fn confirm(instance: &Instance, why: &NoBoardPlan) {
     }
 }
 
-/// Costs of the parts alone; none if one is walled in.
+/// Lower bounds from each part alone; `None` if one is walled in.
 fn simple_bounds(instance: &Instance) -> Option<BoardCosts> {
     let alone = |agent| brute::least(instance, &[agent], BoardObjective::Makespan);
     let alone: Option<Vec<u64>> = (0..instance.agents.len()).map(alone).collect();
@@ -200,7 +201,7 @@ fn table_6_of_the_paper_takes_86_steps_and_no_fewer() {
     assert_eq!(shorter, BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: 86 }));
 }
 
-/// The judge itself: a good plan passes, and each way to spoil it is seen.
+/// The judge itself: a good plan passes, and every way to spoil it is detected.
 #[test]
 fn the_judge_sees_what_is_wrong() {
     let board = BoardGrid::new(6, 6);
@@ -231,7 +232,7 @@ fn the_judge_sees_what_is_wrong() {
     assert!(fault(&by, &good).is_some_and(|fault| fault.contains("leaves out")));
 }
 
-/// Eight droplets on 6 x 6 cells, a sliding puzzle with a little room, in even orders.
+/// Eight droplets on 6 × 6 cells, like a sliding puzzle with a little free space, in even permutations.
 #[test]
 fn crowded_boards_have_plans() {
     let board = BoardGrid::new(6, 6);
@@ -251,8 +252,8 @@ fn crowded_boards_have_plans() {
     }
 }
 
-/// A crowd of microparts on a third of the board: a plan within a tenth of the bound, of which repair without weights finds none in
-/// these steps; and from the first plan, which is longer, a shorter one within a limit.
+/// A crowd of microparts on a third of the board: a plan within a tenth of the bound, which repair without conflict
+/// weights does not find with this budget; and a plan that is shorter than the first one, within a step limit.
 #[test]
 fn crowds_arrive_near_their_bound() {
     let shape = Shape { size: (32, 32), rim: 0, separation: 4, agents: 22, obstacles: 0 };

@@ -1,5 +1,5 @@
-//! Boards whose channels switch several electrodes, by the definition: what is on is the union of the channels of all droplets that move or
-//! are held, and in the reach of a droplet only the electrode to which it goes is on, or the one to which its partner does.
+//! Boards whose channels switch several electrodes, by definition: the union of the channels of all droplets that move
+//! or are held is on, and within reach of a droplet only its own target electrode or that of its partner may be on.
 
 use crate::scenes::Random;
 use std::collections::BTreeSet;
@@ -10,28 +10,28 @@ pub type Cell = (i32, i32);
 #[derive(Clone, Debug)]
 pub struct Pins {
     pub size: Cell,
-    /// Row by row from row 1.
+    /// Channel numbers, row by row from row 1.
     pub numbers: Vec<u32>,
     pub is_held: bool,
-    /// Electrodes that do not work.
+    /// Defective electrodes.
     pub dead: Vec<Cell>,
-    /// Parts that nothing may pull.
+    /// Cells of stuck parts, which nothing may pull.
     pub stuck: Vec<Cell>,
 }
 
-/// A droplet in a step.
+/// A droplet during a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Droplet {
     pub from: Cell,
     pub to: Cell,
-    /// Where the droplet goes with which it is about to merge, or that is pulled from it.
+    /// Destination of the droplet that it is about to merge with, or of the other half of a split.
     pub partner: Option<Cell>,
-    /// It is pulled apart: what pulls the other half acts on it, whatever else that channel is on for.
+    /// It is being split: the electrode that pulls the other half acts on it, whatever else that channel is on for.
     pub is_split: bool,
 }
 
 impl Pins {
-    /// Random channels; some electrodes have one of their own.
+    /// Random channels; some electrodes have their own.
     pub fn random(size: Cell, own: &[Cell], chance: &mut Random) -> Pins {
         let (pool, percent) = (2 + chance.below(5), 20 + chance.below(60));
         let cells = (1..=size.1).flat_map(|row| (1..=size.0).map(move |column| (column, row)));
@@ -48,7 +48,7 @@ impl Pins {
         self.numbers[((row - 1) * self.size.0 + column - 1) as usize]
     }
 
-    /// The rows of the device's field, the top one first; `none` where there is no electrode.
+    /// The rows of the device's field, from the top; `none` where there is no electrode.
     pub fn rows(&self, has_electrode: impl Fn(Cell) -> bool) -> String {
         let number = |column: i32, row: i32| match has_electrode((column, row)) {
             true => self.number(column, row).to_string(),
@@ -58,7 +58,7 @@ impl Pins {
         (1..=self.size.1).rev().map(|at| format!("[{}]", row(at))).collect::<Vec<_>>().join(", ")
     }
 
-    /// Whether droplets can make some steps at the same time. `has_electrode` is the outline of the board.
+    /// Whether droplets can make some moves in the same step. `has_electrode` is the outline of the board.
     pub fn allow(&self, droplets: &[Droplet], has_electrode: impl Fn(Cell) -> bool) -> bool {
         let cells = || (1..=self.size.1).flat_map(|row| (1..=self.size.0).map(move |column| (column, row)));
         let near = |one: Cell, other: Cell| (one.0 - other.0).abs().max((one.1 - other.1).abs()) <= 1;

@@ -1,4 +1,4 @@
-//! Programs as text, planned, and each plan verified.
+//! Plans programs given as text and verifies each plan.
 
 use tweeze::check::Options;
 use tweeze::check::imports::NoFiles;
@@ -10,7 +10,7 @@ use tweeze::plan::{self, Plan};
 use tweeze::source::Sources;
 use tweeze::verify::{self, Verdict};
 
-/// What became of the only task of a program.
+/// Result for the only task of a program.
 #[derive(Debug)]
 pub enum Answered {
     Plan(Box<Plan<()>>),
@@ -20,7 +20,7 @@ pub enum Answered {
     Unfit,
 }
 
-/// The claims of the only task of a program, with its texts; none if it has errors.
+/// The claims of the only task of a program, with sources and diagnostics; `None` if it has errors.
 pub fn checked(text: &str) -> Option<(Claims, Sources, Sink)> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();

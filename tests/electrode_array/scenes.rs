@@ -1,4 +1,4 @@
-//! Instances: random ones from seeds, the droplet routing set, and the five parts of the paper's Table 6.
+//! Instances: random ones from seeds, the droplet routing benchmarks, and the five parts of the paper's Table 6.
 
 #[path = "../support/random.rs"]
 pub mod random;
@@ -7,24 +7,24 @@ pub use random::Random;
 use serde_json::Value;
 use tweeze::plan::electrode_array::board::{Agent, BoardGrid, CellIndex, Instance};
 
-/// How often a random cell is tried before a scene counts as full.
+/// Number of random cells tried before a scene counts as full.
 const TRIES: usize = 20_000;
 
-/// What random instances have in common.
+/// Parameters of random instances.
 #[derive(Clone, Copy, Debug)]
 pub struct Shape {
-    /// Columns and rows, the rim with them.
+    /// Columns and rows, including the rim.
     pub size: (u32, u32),
-    /// Cells at each edge that no centre reaches.
+    /// Cells at each edge that no centre may reach.
     pub rim: u32,
     pub separation: u32,
     pub agents: usize,
-    /// Rectangles of blocked cells, each at most a fifth of the board wide and high.
+    /// Number of blocked rectangles, each at most a fifth of the board wide and high.
     pub obstacles: u32,
 }
 
 impl Shape {
-    /// A random instance; none if the parts do not fit.
+    /// A random instance; `None` if the parts do not fit.
     pub fn instance(self, chance: &mut Random) -> Option<Instance> {
         let mut board = rimmed(self.size.0, self.size.1, self.rim);
         for _ in 0..self.obstacles {
@@ -38,7 +38,7 @@ impl Shape {
         Some(Instance { board, separation: self.separation, agents, merges: vec![] })
     }
 
-    /// Free cells that keep the separation.
+    /// Random free cells that keep the separation; `None` if they do not fit.
     pub fn scatter(self, board: &BoardGrid, chance: &mut Random) -> Option<Vec<CellIndex>> {
         let mut free = board.clone();
         let mut cells = Vec::with_capacity(self.agents);
@@ -64,7 +64,7 @@ pub fn rimmed(width: u32, height: u32, rim: u32) -> BoardGrid {
     board
 }
 
-/// Blocks the cells of a rectangle that lie on the board, both corners included.
+/// Blocks the cells of a rectangle that are on the board, both corners included.
 pub fn block(board: &mut BoardGrid, low: (u32, u32), high: (u32, u32)) {
     for row in low.1..=high.1.min(board.height() - 1) {
         for column in low.0..=high.0.min(board.width() - 1) {
@@ -73,7 +73,8 @@ pub fn block(board: &mut BoardGrid, low: (u32, u32), high: (u32, u32)) {
     }
 }
 
-/// The set of `tests/data/droplet_routing.json`, by name. A start or goal on a blockage is freed, as the file says.
+/// The benchmarks in `tests/data/droplet_routing.json`, by name. A start or goal on a blockage is freed, as the file
+/// says.
 pub fn droplets() -> Vec<(String, Instance)> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/droplet_routing.json");
     let text = std::fs::read_to_string(path).expect("the data lie beside the tests");
@@ -109,7 +110,8 @@ fn freed(board: BoardGrid, cells: Vec<CellIndex>) -> BoardGrid {
     freed
 }
 
-/// Table 6 of Kritikou et al. 2018: five parts on 50 x 50 electrodes, the outer ring out of reach; its cells count from 1.
+/// Table 6 of Kritikou et al. 2018: five parts on 50 × 50 electrodes, with the outer ring out of reach; its cells count
+/// from 1.
 pub fn table_6() -> Instance {
     let board = rimmed(50, 50, 1);
     let parts = [((5, 3), (26, 31)), ((26, 31), (5, 3)), ((46, 4), (4, 48)), ((14, 45), (46, 4)), ((3, 20), (48, 30))];

@@ -1,8 +1,9 @@
-//! Interchangeable goals against brute force: random programs with `move any` on tiny boards, before and beside other moves.
+//! Interchangeable goals compared with brute force: random programs with `move any` on tiny boards, before and beside
+//! other moves.
 //!
-//! The truth is found without the planner: Dijkstra's algorithm over the joint positions of all parts, where a part of a team may arrive at
-//! any goal of its team; once for each figure, to every arrangement in which a step can end. `TWEEZE_ORACLE_CASES=2000` runs 2000
-//! programs, each for both objectives and with a limit.
+//! The truth is found without the planner, by Dijkstra's algorithm over the joint positions of all parts, in which a
+//! part of a team may arrive at any goal of its team. It runs once for each figure, to every arrangement in which a
+//! step can end. `TWEEZE_ORACLE_CASES=2000` runs 2000 programs, each for both objectives and with a limit.
 
 use crate::programs::{Answered, answered};
 use crate::scenes::Random;
@@ -15,7 +16,7 @@ const FIGURES: [&str; 3] = ["steps", "sum_of_costs", "moves"];
 
 type Place = (i32, i32);
 
-/// What the parts are: how far apart their centres keep, and how far from obstacles and from the rim.
+/// Kind of parts: separation of their centres, and clearance from obstacles and the rim.
 #[derive(Clone, Copy, Debug)]
 struct Kind {
     device: &'static str,
@@ -29,12 +30,12 @@ const DROPLETS: Kind = Kind { device: "droplet_chip", part: "droplet", separatio
 const WIDE_DROPLETS: Kind = Kind { separation: 3, clearance: 2, ..DROPLETS };
 const MICROPARTS: Kind = Kind { device: "smart_platform", part: "micropart", separation: 4, clearance: 3, rim: 1 };
 
-/// What the parts of a step are asked: for each part the cells of which it ends at one, or nothing.
+/// Goals of a step: for each part the cells at one of which it must end, or nothing.
 #[derive(Clone, Debug)]
 struct Step {
     /// The goals of the whole team `m`.
     team: Option<Vec<Place>>,
-    /// Parts with goals of their own.
+    /// Parts with their own goals.
     moves: Vec<(usize, Place)>,
 }
 
@@ -43,7 +44,7 @@ struct Case {
     kind: Kind,
     size: Place,
     blocked: Vec<Place>,
-    /// The team's parts, `m0` and on, then perhaps one other, `a`.
+    /// The team's parts `m0`, `m1`, …, then perhaps one other part, `a`.
     parts: Vec<Place>,
     team: usize,
     may_yield: bool,
@@ -114,7 +115,7 @@ impl Case {
             && self.blocked.iter().all(|other| apart(*other, cell) >= self.kind.clearance)
     }
 
-    /// Free cells that keep the distance from each other and from some.
+    /// Random free cells that keep the separation from each other and from `from`.
     fn scattered(&self, count: usize, from: &[Place], chance: &mut Random) -> Option<Vec<Place>> {
         let mut found: Vec<Place> = vec![];
         for _ in 0..60 {
@@ -159,7 +160,7 @@ impl Case {
         lines.join("\n")
     }
 
-    /// The least of each figure over all plans of all steps; none if there is no plan.
+    /// The least of each figure over all plans of all steps; `None` if there is no plan.
     fn truth(&self) -> [Option<u64>; 3] {
         [0, 1, 2].map(|figure| {
             let mut ends = BTreeMap::from([(self.parts.clone(), 0)]);
@@ -178,14 +179,14 @@ impl Case {
     }
 }
 
-/// Where each part may end; none for one that does not move at all.
+/// One step; `goals` are the cells where each part may end, `None` for a part that does not move at all.
 struct Stage<'a> {
     case: &'a Case,
     from: &'a [Place],
     goals: Vec<Option<Vec<Place>>>,
 }
 
-/// A place, and whether the part has arrived for good.
+/// A cell, and whether the part has arrived for good.
 type At = (Place, bool);
 
 impl<'a> Stage<'a> {
@@ -198,7 +199,7 @@ impl<'a> Stage<'a> {
         Stage { case, from, goals: goals.collect() }
     }
 
-    /// The arrangements in which the step can end, each with the least of a figure.
+    /// The arrangements in which the step can end, each with the least figure.
     fn ends(&self, figure: usize) -> BTreeMap<Vec<Place>, u64> {
         let mut found = BTreeMap::new();
         let mut least: HashMap<Vec<At>, u64> = HashMap::new();
@@ -230,7 +231,7 @@ impl<'a> Stage<'a> {
         found
     }
 
-    /// A joint position with each choice of who has arrived for good by then.
+    /// A joint position with each choice of the parts that have arrived for good by then.
     fn settled(&self, at: &[At]) -> Vec<Vec<At>> {
         let mut all: Vec<Vec<At>> = vec![vec![]];
         for (part, (place, done)) in at.iter().enumerate() {
@@ -251,7 +252,7 @@ impl<'a> Stage<'a> {
         all
     }
 
-    /// All joint positions one instant later.
+    /// All joint positions one step later.
     fn moved(&self, from: &[At]) -> Vec<Vec<At>> {
         let mut heads: Vec<Vec<At>> = vec![vec![]];
         for (part, ((column, row), done)) in from.iter().enumerate() {
@@ -356,12 +357,12 @@ fn goals_of_a_team_agree_with_brute_force() {
         done += 1;
     }
     println!("one step: {single:?}; two steps: {seen:?}");
-    // A single step is always decided, but for limits that are not searched for.
+    // A single step is always decided, except for limits that are not searched for.
     assert!(single.open == 0 && single.proven >= cases / 2, "{single:?}");
     assert!(seen.proven > 0 && single.refuted > 0, "{seen:?} {single:?}");
 }
 
-/// The truth itself, where it can be counted by hand.
+/// The brute force itself, in a case that can be counted by hand.
 #[test]
 fn two_parts_in_a_row_do_not_pass_one_another() {
     let step = Step { team: Some(vec![(7, 1), (5, 1)]), moves: vec![] };
@@ -374,7 +375,8 @@ fn two_parts_in_a_row_do_not_pass_one_another() {
         may_yield: false,
         steps: vec![step],
     };
-    // Each goes four cells to the right, the one behind a step later: it must not come near a cell before the other has left it.
+    // Each moves four cells to the right, the rear one a step later, because it must not come near a cell before the
+    // other has left it.
     assert_eq!(case.truth(), [Some(5), Some(9), Some(8)]);
     let named = Step { team: None, moves: vec![(0, (7, 1)), (1, (5, 1))] };
     assert_eq!(Case { steps: vec![named], ..case }.truth(), [None; 3]);

@@ -1,4 +1,5 @@
-//! Tiny boards, where brute force gives the truth: optima, impossibility, intermediate stops, and parts that merge.
+//! Tiny boards on which brute force gives the truth: optima, proofs that there is no plan, intermediate stops, and
+//! parts that merge.
 
 use crate::brute::least;
 use crate::check::judged;
@@ -10,16 +11,16 @@ use tweeze::plan::electrode_array::board::{
 use tweeze::plan::electrode_array::solve;
 use tweeze::plan::search::SearchBudget;
 
-/// Enough to decide each of these instances.
+/// Large enough to decide each of these instances.
 const PLENTY: SearchBudget = SearchBudget::of(600_000);
 
-/// Columns and rows, separation, parts, blocked cells in a hundred, and what is special.
+/// Columns and rows, separation, parts, percentage of blocked cells, and special feature.
 type Tiny = ((u32, u32), u32, usize, u32, Special);
 
 #[derive(Clone, Copy, PartialEq)]
 enum Special {
     Nothing,
-    /// The first part has a stop on its way.
+    /// The first part has an intermediate stop.
     Via,
     /// The first two parts merge.
     Merge,
@@ -70,7 +71,7 @@ fn scatter(board: &BoardGrid, separation: u32, count: usize, chance: &mut Random
     (cells.len() == count).then_some(cells)
 }
 
-/// Whether there was a plan.
+/// Compares an instance with brute force; returns whether there was a plan.
 fn compare(instance: &Instance) -> bool {
     let all: Vec<usize> = (0..instance.agents.len()).collect();
     let truth = OBJECTIVES.map(|objective| least(instance, &all, objective));
@@ -99,7 +100,7 @@ fn compare(instance: &Instance) -> bool {
     truth[0].is_some()
 }
 
-/// Instances of a kind, so many that have a plan and so many that have none at least.
+/// Compares instances of a kind with brute force; at least `with` must have a plan and `without` none.
 fn agree(tiny: &[Tiny], rounds: u32, seed: u64, [with, without]: [usize; 2]) {
     let mut chance = Random::new(seed);
     let mut seen = [0, 0];

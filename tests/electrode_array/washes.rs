@@ -1,5 +1,6 @@
-//! Wash droplets that `wash with water to CELL` adds, judged by a walk through the operations one after the other: with them nothing does harm
-//! at any stop, without any one of them something does, and each comes between those for which it is.
+//! Wash droplets that `wash with water to CELL` adds, judged by a sequential walk through the operations: with them
+//! there is no contamination at any stop, without any one of them there is, and each comes between the droplets that it
+//! separates.
 
 use crate::programs::{Answered, answered, checked};
 use crate::scenes::Random;
@@ -9,10 +10,11 @@ use tweeze::claims::Order;
 use tweeze::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayOrder, Fluids};
 use tweeze::device::electrode_array::ElectrodeCell;
 
-/// Where droplets of water leave.
+/// Exit of the water droplets.
 const EXIT: (u32, u32) = (16, 1);
 
-/// Droplets that meet water, mix, and are read where others were before; which fluids harm which is drawn.
+/// A random assay: droplets meet water, mix, and are read where others were before; the fluids that contaminate each
+/// other are random.
 fn program(chance: &mut Random) -> String {
     let droplets = 2 + chance.below(3);
     let mut text = format!(
@@ -43,7 +45,7 @@ fn program(chance: &mut Random) -> String {
     text
 }
 
-/// What a droplet does, in lines.
+/// Lines of a droplet's operations.
 fn operations(droplet: u32, chance: &mut Random) -> VecDeque<String> {
     let row = 3 + 5 * droplet;
     let mut lines = VecDeque::from([format!("    dispense d{droplet} from f{droplet}\n")]);
@@ -57,7 +59,7 @@ fn operations(droplet: u32, chance: &mut Random) -> VecDeque<String> {
     }
     if chance.below(4) > 0 {
         lines.push_back(format!("    incubate d{droplet} at (12, 6) for 500 ms\n"));
-        // There already, or again.
+        // At the current place, or at the detector again.
         for again in ["", " at (12, 6)"].into_iter().filter(|_| chance.below(2) == 0) {
             lines.push_back(format!("    incubate d{droplet}{again} for 100 ms\n"));
         }
@@ -67,7 +69,7 @@ fn operations(droplet: u32, chance: &mut Random) -> VecDeque<String> {
     lines
 }
 
-/// The cells on which a droplet is while it does what an operation asks.
+/// The cells that a droplet occupies during an operation.
 fn cells(operation: &AssayOperation, at: Option<ElectrodeCell>, order: &ElectrodeArrayOrder) -> Vec<ElectrodeCell> {
     let mut cells: Vec<ElectrodeCell> = operation.stops.iter().map(|stop| stop.cell).collect();
     cells.extend(at.filter(|_| operation.stops.is_empty()));
@@ -79,7 +81,7 @@ fn cells(operation: &AssayOperation, at: Option<ElectrodeCell>, order: &Electrod
     cells
 }
 
-/// Whether operations one after the other, but for one part, do no harm.
+/// Whether the operations, carried out in sequence and without those of one part, cause no contamination.
 fn is_clean(order: &ElectrodeArrayOrder, operations: &[AssayOperation], without: Option<usize>) -> bool {
     let rules = &order.contamination;
     let mut fluids: Vec<Fluids> = vec![Fluids::new(); order.parts.len()];
@@ -133,7 +135,7 @@ fn washes_are_added_where_they_are_needed_and_nowhere_else() {
             assert!(next.is_some(), "nothing comes after {}:\n{text}", order.parts[*wash].name);
         }
         added += washes.len();
-        // The verifier holds every plan to the traces, electrode by electrode.
+        // The verifier checks every plan against the traces, electrode by electrode.
         planned += usize::from(!washes.is_empty() && matches!(answered(&text), Answered::Plan(_)));
     }
     assert!(added >= 50 && planned >= 15, "{added} washes, {planned} plans with some");
@@ -158,7 +160,7 @@ fn an_added_wash_is_a_droplet_like_any_other() {
         "wash with water",
         "  part rinse : ea.droplet\n",
         "    dispense rinse from water\n    move rinse to (11, 5) after blood\n    discard rinse at (14, 2)\n",
-        // Of the last operation above, which is to leave, the one before is meant.
+        // The last operation above is the exit; `after` refers to the one before it.
         " after rinse",
     );
     let of = |text: &str| match answered(text) {
@@ -166,11 +168,11 @@ fn an_added_wash_is_a_droplet_like_any_other() {
         other => panic!("{other:?}:\n{text}"),
     };
     let ((cost, bound), (other_cost, other_bound)) = (of(&added), of(&by_hand));
-    // That one comes after the wash has left, which is no sooner.
+    // The hand-written version comes after the wash has left, which is no sooner.
     assert!(cost <= other_cost && bound <= other_bound, "{cost} of {bound}, {other_cost} of {other_bound}");
 }
 
-/// A second scene says where parts are declared, not where the first task has left them.
+/// A second scene states where parts are declared, not where the first task has left them.
 #[test]
 fn droplets_of_a_later_task_start_where_the_earlier_one_left_them() {
     let program = |cell: &str, wash: &str| {

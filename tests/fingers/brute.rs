@@ -1,8 +1,10 @@
-//! The least effort of a task by Dijkstra's algorithm over every grasp at every angle of every turn, all turns together.
+//! Least effort of a task, by Dijkstra's algorithm over every grasp at every angle of every turn, with all turns in one
+//! search.
 //!
-//! It shares nothing with the planner: ellipses are integrated here, holding is decided by a linear program over forces and torques in
-//! space (`forces`), and all edges are examined. Taken from docs/language.md: the places of contacts, that a grasp holds at 63 instants of a step
-//! with the reserve kept back, which fingers may come and leave, the costs, and that a turn goes at most once round beyond its start and its goal.
+//! It shares nothing with the planner: ellipses are integrated here, a linear program over spatial forces and torques
+//! (`forces`) decides whether a grasp holds, and all edges are examined. Taken from docs/language.md: the places of
+//! contacts, the rule that a grasp holds at 63 instants of a step with the reserve kept back, which fingers may be
+//! placed and removed, the costs, and the rule that a turn goes at most one revolution beyond its start and its goal.
 
 use crate::case::{Case, FINGERS, Step, TRANSLATED_UM};
 use crate::ellipse::{Section, Touch};
@@ -16,21 +18,21 @@ use std::f64::consts::TAU;
 /// No contact.
 const FREE: u8 = u8::MAX;
 
-/// One turn of the task as it is searched, or a change of grasp where `turn` is 0.
+/// One turn of the task as searched, or a change of grasp if `turn` is 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leg {
     pub is_about_z: bool,
-    /// In the steps of the section.
+    /// Steps of the section.
     pub turn: i32,
-    /// With what it must end.
+    /// The grasp that it must end with.
     pub end: Option<[u32; FINGERS]>,
-    /// How it begins.
+    /// Condition on its first grasp.
     pub begins: Begins,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Begins {
-    /// As the leg before it has ended.
+    /// The grasp with which the previous leg ended.
     Held,
     Any,
     With([u32; FINGERS]),
@@ -44,33 +46,34 @@ struct Node {
     held: [u8; FINGERS],
 }
 
-/// A force on the part in a section: in the plane, and across it.
+/// A force on the part in a section: two components in the plane and one across it.
 type Load = [f64; 3];
 
 pub struct Brute<'a> {
     case: &'a Case,
     sections: [Section; 2],
     legs: Vec<Leg>,
-    /// By how much every condition may be missed, as a share of friction and forces.
+    /// Tolerance of every condition, as a share of friction and forces.
     slack: f64,
-    /// What holds: leg (or none where the load is), angle in 64ths of a step, sorted contacts.
+    /// Whether contacts hold, by leg (only the axis if there is no load), angle in 1/64 of a step, and sorted contacts.
     known: HashMap<(u8, i32, [u8; FINGERS]), bool>,
     rolled: HashMap<(u8, i16, [u8; FINGERS]), bool>,
     removed: HashMap<(u8, [u8; FINGERS], u8), bool>,
-    /// How far a tip goes that rolls from a contact to the one before, by axis and contact, in micrometres.
+    /// Path length of a tip that rolls from a contact to the previous one, by axis and contact, in micrometres.
     ways_um: HashMap<(bool, u8), f64>,
 }
 
-/// What the parts of a task cost.
+/// Cost model of the actions of a task.
 #[derive(Debug, Clone, Copy)]
 enum Costs {
-    /// For each finger that rolls by a step, and for each that comes or leaves while others hold.
+    /// Cost for each finger that rolls by a step, and for each that is placed or removed while others hold.
     Effort { roll: u64, gait: u64 },
-    /// The time in nanoseconds that the parts take at least: tips that hold go along what they roll, fingers come and leave one at a time.
+    /// Lower bound on the time of the actions, in nanoseconds: tips that hold travel along their rolling path, fingers
+    /// are placed and removed one at a time.
     Time,
 }
 
-/// The least sum of costs of a task, and the fewest reconfigurations at this cost.
+/// The least sum of costs of a task, and the fewest reconfigurations at this cost; `None` if there is no plan.
 pub type Least = Option<(u64, u32)>;
 
 impl<'a> Brute<'a> {
@@ -82,12 +85,12 @@ impl<'a> Brute<'a> {
         Brute { case, sections, legs: Vec::new(), slack, known, rolled, removed, ways_um: HashMap::new() }
     }
 
-    /// The turns of a task, once for each choice among the ways to its orientations.
+    /// The legs of a task, once for each choice of decompositions of its orientations.
     fn choices(&self) -> Vec<Vec<Leg>> {
         let case = self.case;
         let most = case.steps_per_turn;
         let step_rad = |is_about_z: bool| self.sections[usize::from(!is_about_z)].step_rad;
-        // For each step the turns that it may stand for.
+        // For each step, the sequences of turns that can realise it.
         let mut all: Vec<Vec<Vec<(bool, i32)>>> = Vec::new();
         let mut reached = vec![UnitQuaternion::identity()];
         for step in &case.steps {
@@ -123,22 +126,22 @@ impl<'a> Brute<'a> {
         choices.iter().map(|turns| legs(&case.steps, turns)).collect()
     }
 
-    /// How many contacts the section has about z.
+    /// Number of contacts of the section about z.
     pub fn contacts(&self) -> u32 {
         self.sections[0].contacts as u32
     }
 
-    /// By how many steps of its sections a task without orientations turns.
+    /// Total steps turned by a task without orientations.
     pub fn steps_turned(&self) -> i32 {
         self.choices()[0].iter().map(|leg| leg.turn).sum()
     }
 
-    /// How many choices there are among the ways to its orientations.
+    /// Number of choices of decompositions.
     pub fn count(&self) -> usize {
         self.choices().len()
     }
 
-    /// The least over all choices, with at most so many reconfigurations.
+    /// The least over all choices, with at most `most` reconfigurations.
     fn over_all(&mut self, costs: Costs, most: Option<u32>) -> Least {
         let mut best: Least = None;
         for legs in self.choices() {
@@ -190,7 +193,7 @@ impl<'a> Brute<'a> {
         contacts.map(|contact| self.section(leg).touch(f64::from(*contact) - part)).collect()
     }
 
-    /// Whether contacts hold some 64ths of a step after an angle.
+    /// Whether contacts hold at `instant`/64 of a step after an angle.
     fn holds(&mut self, leg: u8, angle: i16, held: [u8; FINGERS], instant: i32) -> bool {
         let mut sorted = held;
         sorted.sort_unstable();
@@ -214,7 +217,8 @@ impl<'a> Brute<'a> {
         holds
     }
 
-    /// Whether forces and torques in space balance a load at the origin, and the pull of a finger that leaves.
+    /// Whether tip forces and torques balance a load at the origin, and the pull of a finger that is removed if there
+    /// is one.
     fn balance(&self, touches: &[Touch], load: Load, leaves: Option<&Touch>, kept: f64) -> bool {
         let case = self.case;
         let change = kept * (1.0 + self.slack);
@@ -242,7 +246,7 @@ impl<'a> Brute<'a> {
         forces::balance(&tips, outer, arm_um, self.slack.max(0.0))
     }
 
-    /// Whether contacts hold all the way from an angle to the next.
+    /// Whether contacts hold throughout the step from an angle to the next.
     fn lasts(&mut self, leg: u8, angle: i16, held: [u8; FINGERS]) -> bool {
         let mut sorted = held;
         sorted.sort_unstable();
@@ -252,7 +256,7 @@ impl<'a> Brute<'a> {
         if let Some(known) = self.rolled.get(&key) {
             return *known;
         }
-        // The middle first, where most that lapse do.
+        // Instants near the middle of the step come first, because most grasps that fail do so there.
         let lasts =
             (1..64).map(|k| (k * 32 + k / 2) % 64).chain(1..64).all(|k| k == 0 || self.holds(leg, angle, held, k));
         self.rolled.insert(key, lasts);
@@ -264,15 +268,15 @@ impl<'a> Brute<'a> {
         held.map(|contact| if contact == FREE { FREE } else { ((usize::from(contact) + by) % count) as u8 })
     }
 
-    /// The least effort, in degrees, and the fewest reconfigurations at it, with at most so many; `None` where no sequence of grasps
-    /// carries the task out.
+    /// The least effort in degrees, and the fewest reconfigurations at it, with at most `most` of them; `None` if no
+    /// sequence of grasps carries the task out.
     pub fn least_deg(&mut self, most: Option<u32>) -> Option<(f64, u32)> {
         let unit = |deg: f64| (deg * 1000.0).round() as u64;
         let (roll, gait) = (unit(360.0 / f64::from(self.case.steps_per_turn)), unit(self.case.gaiting_cost_deg));
         self.over_all(Costs::Effort { roll, gait }, most).map(|(cost, gaits)| (cost as f64 / 1000.0, gaits))
     }
 
-    /// A time in seconds below which no sequence of grasps carries the task out: what free fingers go far from the part takes none here.
+    /// A lower bound on the time of the task, in seconds; motion of free fingers far from the part counts as zero.
     pub fn least_s(&mut self) -> Option<f64> {
         let translations = self.case.steps.iter().filter(|step| **step == Step::Translate).count();
         let by_um = Vector3::from(TRANSLATED_UM).norm() * translations as f64;
@@ -280,7 +284,7 @@ impl<'a> Brute<'a> {
         Some(least.0 as f64 / 1e9 + by_um / self.case.rolling_um_per_s)
     }
 
-    /// How far a tip goes that rolls from a contact to the one before while the part turns by a step.
+    /// Path length of a tip that rolls from a contact to the previous one while the part turns by a step.
     fn way_um(&mut self, leg: u8, contact: u8) -> f64 {
         const PARTS: u32 = 256;
         let key = (self.legs[usize::from(leg)].is_about_z, contact);
@@ -300,7 +304,7 @@ impl<'a> Brute<'a> {
         way_um
     }
 
-    /// What it costs that fingers roll by a step, each from its contact to the one before, or back.
+    /// Cost of rolling by a step, each finger from its contact to the previous one or back.
     fn rolling(&mut self, costs: Costs, leg: u8, held: [u8; FINGERS]) -> u64 {
         let contacts = held.into_iter().filter(|contact| *contact != FREE);
         match costs {
@@ -312,7 +316,7 @@ impl<'a> Brute<'a> {
         }
     }
 
-    /// What it costs that so many fingers come or leave where none holds before or after.
+    /// Cost of placing or removing `fingers` fingers at once, when none holds before or after.
     fn coming(&self, costs: Costs, fingers: usize) -> u64 {
         let near_um = self.case.retract_um.max(self.case.clearance_um);
         match costs {
@@ -321,7 +325,7 @@ impl<'a> Brute<'a> {
         }
     }
 
-    /// What it costs that one comes or leaves while others hold.
+    /// Cost of placing or removing one finger while others hold.
     fn gaiting(&self, costs: Costs) -> u64 {
         match costs {
             Costs::Effort { gait, .. } => gait,
@@ -329,17 +333,17 @@ impl<'a> Brute<'a> {
         }
     }
 
-    /// The fewest reconfigurations.
+    /// The fewest reconfigurations of any plan.
     pub fn fewest(&mut self) -> Option<u32> {
         self.over_all(Costs::Effort { roll: 0, gait: 1 }, None).map(|(_, gaits)| gaits)
     }
 
-    /// The least sum of costs; nothing dearer than `enough`.
+    /// The least sum of costs; stops at anything dearer than `enough`.
     fn least(&mut self, costs: Costs, most: Option<u32>, enough: Option<u64>) -> Least {
         let mut open: BinaryHeap<Reverse<(u64, u32, Node)>> = BinaryHeap::new();
-        // Where reconfigurations are limited, a node is another one for each number of them.
+        // If reconfigurations are limited, their number is part of the node.
         let mut best: HashMap<(Node, u32), (u64, u32)> = HashMap::new();
-        // The least with what the release costs that ends the task.
+        // The least cost of a task that ends with a release, the release included.
         let mut ended: Least = None;
         for held in self.first(0) {
             open.push(Reverse((self.coming(costs, holding(&held)), 0, Node { leg: 0, angle: 0, held })));
@@ -398,7 +402,7 @@ impl<'a> Brute<'a> {
         ended
     }
 
-    /// A finger comes, or leaves.
+    /// The nodes after a finger is placed or removed.
     fn gaited(&mut self, node: Node, holding: usize) -> Vec<Node> {
         let mut nodes = Vec::new();
         for finger in 0..FINGERS {
@@ -424,7 +428,7 @@ impl<'a> Brute<'a> {
         nodes
     }
 
-    /// Whether those that stay resist the pull of a finger that leaves.
+    /// Whether the remaining fingers resist the pull of a finger that is removed.
     fn resists(&mut self, node: Node, stay: [u8; FINGERS], leaves: u8) -> bool {
         if !self.case.adhesion {
             return true;
@@ -444,7 +448,7 @@ impl<'a> Brute<'a> {
         resists
     }
 
-    /// Every grasp that a leg may begin with, where nothing holds before it.
+    /// Every grasp that a leg may begin with if nothing holds before it.
     fn first(&mut self, leg: u8) -> Vec<[u8; FINGERS]> {
         if let Begins::With(pin) = self.legs[usize::from(leg)].begins {
             let held = numbered(pin);
@@ -465,7 +469,7 @@ impl<'a> Brute<'a> {
         all.into_iter().filter(|held| differs(held) && self.holds(leg, 0, *held, 0)).collect()
     }
 
-    /// With what the next turn begins: the same contacts, or, about another axis, the two on the x axis.
+    /// The grasps with which the next turn may begin: the same contacts, or, about another axis, the two on the x axis.
     fn handed_over(&mut self, node: Node) -> Vec<[u8; FINGERS]> {
         let next = node.leg + 1;
         if self.legs[usize::from(next)].begins != Begins::Held {
@@ -488,17 +492,17 @@ impl<'a> Brute<'a> {
     }
 }
 
-/// How many fingers hold.
+/// Number of fingers that hold.
 fn holding(held: &[u8; FINGERS]) -> usize {
     held.iter().filter(|contact| **contact != FREE).count()
 }
 
-/// A grasp as nodes have it.
+/// A grasp in the numbering of nodes.
 fn numbered(grasp: [u32; FINGERS]) -> [u8; FINGERS] {
     grasp.map(|contact| if contact == 0 { FREE } else { contact as u8 - 1 })
 }
 
-/// What some turns do to a part, one after the other about its own axes.
+/// Rotation of a part by turns about its own axes, one after the other.
 fn turned(turns: &[(bool, i32)], step_rad: impl Fn(bool) -> f64) -> UnitQuaternion<f64> {
     let axis = |is_about_z: bool| if is_about_z { Vector3::z() } else { Vector3::y() };
     turns.iter().fold(UnitQuaternion::identity(), |reached, (is_about_z, steps)| {
@@ -506,11 +510,11 @@ fn turned(turns: &[(bool, i32)], step_rad: impl Fn(bool) -> f64) -> UnitQuaterni
     })
 }
 
-/// The legs of a task whose steps stand for these turns.
+/// The legs of a task whose steps are realised by these turns.
 fn legs(steps: &[Step], turns: &[Vec<(bool, i32)>]) -> Vec<Leg> {
     let mut legs: Vec<Leg> = Vec::new();
     let mut begins = Begins::Any;
-    // That of the next turn of the task, else of its last one.
+    // The plane of the next turn of the task, or else of its last one.
     let plane_at = |at: usize| {
         let (before, after) = turns.split_at(at);
         let turn = after.iter().flatten().next().or_else(|| before.iter().flatten().last());

@@ -1,16 +1,19 @@
-//! More ways to an orientation than are searched: nothing is claimed that one of the others might undercut.
+//! More decompositions of an orientation than are searched: the planner makes no claim that one of the others might
+//! undercut.
 //!
-//! Of the ways to an orientation 48 are searched, of those of a task 256, of each those that turn least. The brute force looks at all of them.
+//! At most 48 decompositions of an orientation and 256 of a task are searched, in each case those that turn least. The
+//! brute force considers all of them.
 
 use super::brute::Brute;
 use super::case::{Case, Step};
 use super::mechanics::reported;
 use super::support::build;
 
-/// The most ways of a step that are searched.
+/// Greatest number of decompositions of a step that are searched.
 const SEARCHED: usize = 48;
 
-/// A hand that sticks, with steps of 60 deg and a precision of 60 deg: an orientation has more ways than are searched.
+/// A hand with adhesion, steps of 60 deg and a precision of 60 deg: an orientation has more decompositions than are
+/// searched.
 fn case(steps: Vec<Step>) -> Case {
     Case {
         tip_radius_um: 12.0,
@@ -34,8 +37,8 @@ fn case(steps: Vec<Step>) -> Case {
     }
 }
 
-/// An orientation between two grasps: a way that brings the contacts of the one to those of the other by less regrasping is cheaper, though
-/// it is not among those that turn least.
+/// An orientation between two grasps: a decomposition that needs less regrasping from one to the other is cheaper,
+/// although it is not among those that turn least.
 #[test]
 fn a_plan_is_not_called_optimal_where_a_way_that_was_left_out_is_cheaper() {
     let ends = [[10, 4, 0], [2, 8, 0]].map(Step::Grasp);
@@ -51,7 +54,7 @@ fn a_plan_is_not_called_optimal_where_a_way_that_was_left_out_is_cheaper() {
     assert!(!plan.optimal && plan.bound <= least_deg + 1e-6, "bound {} of at least {least_deg}", plan.bound);
 }
 
-/// Where no grasp lasts, that is a proof only if all ways were searched.
+/// If no grasp lasts, that is a proof only if all decompositions were searched.
 #[test]
 fn no_plan_is_proven_only_where_all_ways_were_searched() {
     let slippery = |precision_deg: u32| {

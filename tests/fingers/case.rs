@@ -1,12 +1,12 @@
-//! Small cases of hands, which a brute force can search, and their programs.
+//! Small cases of hands that brute force can search, with their programs.
 
-/// Fingers of every hand.
+/// Number of fingers of every hand.
 pub const FINGERS: usize = 3;
 
-/// By how much a translation carries the part.
+/// Displacement of the part by a translation.
 pub const TRANSLATED_UM: [f64; 3] = [1.0, -2.0, 0.5];
 
-/// A hand, a part that is an ellipsoid, and a task of turns.
+/// A hand, an ellipsoidal part, and a task of turns.
 #[derive(Debug, Clone)]
 pub struct Case {
     pub tip_radius_um: f64,
@@ -23,7 +23,7 @@ pub struct Case {
     pub semi_um: [f64; 3],
     pub load_un: [f64; 3],
     pub steps: Vec<Step>,
-    /// What the turns may miss.
+    /// Tolerance of the turns.
     pub precision_deg: u32,
     pub rolling_um_per_s: f64,
     pub approach_um_per_s: f64,
@@ -33,18 +33,18 @@ pub struct Case {
 /// A step of a task.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Step {
-    /// About z (`true`) or y, in nominal steps.
+    /// A turn about z (`true`) or y, in nominal steps.
     Turn(bool, i32),
-    /// `grasp … at`, contacts from 1 in the plane of the next turn, or of the last one.
+    /// `grasp … at`: contacts, from 1, in the plane of the next turn, or of the last one.
     Grasp([u32; FINGERS]),
-    /// To turns about z, y and z, in degrees.
+    /// An orientation given by turns about z, y and z, in degrees.
     Orient([i32; 3]),
     Translate,
     Release,
 }
 
 impl Case {
-    /// The program.
+    /// The program of the case.
     pub fn text(&self) -> String {
         let [a, b, c] = self.semi_um;
         let [x, y, z] = self.load_un;

@@ -1,13 +1,13 @@
-//! Tasks in a row: what is claimed of the second one holds for whatever grasp the first could have left.
+//! Consecutive tasks: claims about the second task hold for every grasp that the first could have left.
 //!
-//! The same turns as one task are searched together, so that their plan is one of both tasks.
+//! As one task, the same turns are searched together, so that plan is optimal over both.
 
 use super::case::{Case, Step};
 use super::oracle::{Kind, planned, random_case};
 use super::random::{Random, cases};
 use super::support::build;
 
-/// The program with its first step as one task and its others as the next.
+/// The program with its first step as one task and the others as the next.
 fn in_two_tasks(case: &Case) -> String {
     let text = case.text();
     let (before, task) = text.split_once("task flip on hand in cell {\n").expect("it has a task");
@@ -64,6 +64,6 @@ fn claims_of_a_later_task_hold_for_every_grasp_at_its_beginning() {
             dearer += 1;
         }
     }
-    // Otherwise nothing was at stake.
+    // Otherwise the test would have shown nothing.
     assert!(compared > 20 && open > 0 && dearer > 0, "{compared}, {open}, {dearer}");
 }

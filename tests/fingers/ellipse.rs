@@ -1,4 +1,4 @@
-//! An ellipse as the brute force sees it: integrated at many angles, with its contacts.
+//! An ellipse for the brute force: integrated at many angles, with its contacts.
 
 use crate::case::Case;
 use std::f64::consts::TAU;
@@ -6,13 +6,13 @@ use std::f64::consts::TAU;
 /// An ellipse with contacts.
 pub struct Section {
     pub semi_um: [f64; 2],
-    /// By how much the part has turned when a tip has rolled to each of many angles of the ellipse.
+    /// Angle by which the part has turned when a tip has rolled to each of the sampled angles of the ellipse.
     rolled_rad: Vec<f64>,
     pub contacts: usize,
     pub step_rad: f64,
 }
 
-/// Angles of an ellipse that are looked at.
+/// Number of sampled angles.
 const SAMPLES: usize = 200_000;
 
 impl Section {
@@ -35,14 +35,14 @@ impl Section {
         }
         let once_rad = rolled_rad[SAMPLES];
         let exact = once_rad / (TAU / f64::from(case.steps_per_turn));
-        // An even number of contacts has one opposite to the first.
+        // With an even number of contacts, one is opposite to the first.
         let contacts = (0..10_i32).map(|k| exact.round() + f64::from((k + 1) / 2 * if k % 2 == 0 { 1 } else { -1 }));
         let mut even: Vec<f64> = contacts.filter(|count| count % 2.0 == 0.0).collect();
         even.sort_by(|one, other| (one - exact).abs().total_cmp(&(other - exact).abs()));
         Section { semi_um, contacts: even[0] as usize, step_rad: once_rad / even[0], rolled_rad }
     }
 
-    /// Point and outward normal at a contact, counted from 0, that may be a broken number.
+    /// Point and outward normal at a contact, from 0; fractional contacts are allowed.
     pub fn touch(&self, contact: f64) -> Touch {
         let once_rad = self.rolled_rad[SAMPLES];
         let wanted = (contact * self.step_rad).rem_euclid(once_rad);

@@ -1,33 +1,34 @@
-//! Whether forces of tips balance what acts on a part: a small linear program, by the plain simplex method.
+//! Whether tip forces balance the wrench on a part: a small linear program, solved by the plain simplex method.
 //!
-//! A tip that presses with n and sticks with s bears forces along both tangents and a torque about its normal within the pyramid over its
-//! friction times n + s. The pyramid has eight edges, so a balance is a sum of edges with weights of 0 or more, those of a tip together
-//! within what it presses and sticks at most. Feasibility is the first phase of the simplex method, with Bland's rule.
+//! A tip that presses with n and sticks with s exerts forces along both tangents and a torque about its normal, within
+//! the friction pyramid: friction times n + s. The pyramid has eight edges, so a balance is a sum of edges with
+//! non-negative weights whose sum for each tip is at most the tip's greatest pressing force plus its sticking force.
+//! Feasibility is the first phase of the simplex method, with Bland's rule.
 
-/// What a tip can do to the part: where it touches, the way in which it presses, and its figures.
+/// A tip in contact: its place, pressing direction, and figures.
 #[derive(Debug, Clone, Copy)]
 pub struct Tip {
     pub at_um: [f64; 2],
-    /// Into the part, of length 1.
+    /// Unit vector into the part.
     pub inward: [f64; 2],
     pub friction: f64,
-    /// Torque for each unit of force, in the unit of torques below.
+    /// Torque per unit of force, in the unit of the torques below.
     pub torsion: f64,
     pub sticking_un: f64,
     pub most_un: f64,
 }
 
-/// A force and a torque, in space.
+/// A force and a torque in space.
 pub type Wrench = [f64; 6];
 
-/// The wrench of a force that acts at a point of the plane, torques as forces at an arm of that length.
+/// The wrench of a force at a point of the plane; torques are given as forces at a lever arm of `arm_um`.
 pub fn wrench([x, y, z]: [f64; 3], at_um: [f64; 2], arm_um: f64) -> Wrench {
     let [px, py] = at_um.map(|part| part / arm_um);
     [x, y, z, py * z, -px * z, px * y - py * x]
 }
 
 impl Tip {
-    /// The edges of its pyramid, for a unit of what presses and sticks.
+    /// The edges of the tip's friction pyramid, per unit of pressing and sticking force.
     fn edges(&self, arm_um: f64) -> [Wrench; 8] {
         let [x, y] = self.inward;
         let mut edges = [[0.0; 6]; 8];
@@ -43,13 +44,13 @@ impl Tip {
     }
 }
 
-/// Whether the tips can exert what balances an outer wrench, up to a rest of this size. Where nothing acts and nothing sticks, forces that
-/// are not all zero are asked for.
+/// Whether the tips can balance an outer wrench, up to a residual of `rest_un`. If there is no load and nothing sticks,
+/// the forces must not all be zero.
 pub fn balance(tips: &[Tip], outer: Wrench, arm_um: f64, rest_un: f64) -> bool {
     let is_idle = outer == [0.0; 6] && tips.iter().all(|tip| tip.sticking_un == 0.0);
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut wanted: Vec<f64> = outer.iter().map(|part| -part).collect();
-    // What a tip exerts is what its edges do, less what sticks along the normal.
+    // A tip exerts the sum of its edges minus the sticking force along the normal.
     for tip in tips {
         let stuck = wrench([tip.inward[0], tip.inward[1], 0.0], tip.at_um, arm_um);
         wanted.iter_mut().zip(stuck).for_each(|(wanted, part)| *wanted += tip.sticking_un * part);
@@ -78,10 +79,10 @@ pub fn balance(tips: &[Tip], outer: Wrench, arm_um: f64, rest_un: f64) -> bool {
     least_rest(columns, wanted) <= rest_un / size + 1e-9
 }
 
-/// Entries below this are taken for zero.
+/// Entries below this are treated as zero.
 const ZERO: f64 = 1e-11;
 
-/// The least sum of what is missing of `wanted` over all sums of the columns with weights of 0 or more.
+/// The least residual of `wanted` over all sums of the columns with non-negative weights.
 fn least_rest(columns: Vec<Vec<f64>>, mut wanted: Vec<f64>) -> f64 {
     let (rows, count) = (wanted.len(), columns.len());
     let mut table: Vec<Vec<f64>> = (0..rows).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
@@ -91,7 +92,7 @@ fn least_rest(columns: Vec<Vec<f64>>, mut wanted: Vec<f64>) -> f64 {
             row.iter_mut().for_each(|entry| *entry = -*entry);
         }
     }
-    // Each row begins with what is missing of it, numbered from `count` on.
+    // The basis begins with the residual of each row, numbered from `count` on.
     let mut basis: Vec<usize> = (count..count + rows).collect();
     for pivots in 0.. {
         assert!(pivots < 10_000, "no end: {table:?}");
@@ -127,7 +128,7 @@ mod tests {
     use crate::random::Random;
     use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 
-    /// The same question as a linear program over forces and torques, for another solver.
+    /// The same feasibility problem as a linear program for another solver.
     fn solved(tips: &[Tip], outer: Wrench, arm_um: f64) -> bool {
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         let mut rows: [Vec<(Variable, f64)>; 6] = Default::default();

@@ -1,6 +1,6 @@
-//! Hands from a program's text to verified schedules: rolls of the planner are integrated by the verifier from positions alone.
+//! Hands from a program's text to verified schedules: the verifier integrates the planner's rolls from positions alone.
 
-// The oracles keep to the platform's own mathematics.
+// The oracles use the platform's own mathematics.
 #![allow(clippy::disallowed_methods)]
 
 mod brute;
@@ -26,7 +26,7 @@ use tweeze::device::fingers::Plane;
 use tweeze::schedule::fingers::FingersState;
 use tweeze::schedule::{PlanRecord, State};
 
-/// The paper's hand and its ellipsoid: 74 contacts round each section. Without weight, as in the paper.
+/// The paper's hand and ellipsoid: 74 contacts around each section, without weight.
 fn program(device: &str, steps: &str) -> String {
     format!(
         "use std.fingers as f\n\
@@ -40,14 +40,14 @@ fn program(device: &str, steps: &str) -> String {
 const THREE_TURNS: &str =
     "  rotate bead by 80 deg about z\n  rotate bead by 220 deg about y\n  rotate bead by 100 deg about z";
 
-/// The one plan of a program that must build.
+/// The only plan of a program that must build.
 fn plan(text: &str) -> PlanRecord {
     let built = build(text);
     assert_eq!(built.codes, Vec::<&str>::new(), "{text}");
     built.schedules[0].schedule().plans[0].clone()
 }
 
-/// Grasp, angle index and plane of every state.
+/// Grasp, angle index and plane of each state.
 fn grasps(plan: &PlanRecord) -> Vec<(Vec<u32>, i64, Plane)> {
     let of = |state: &State| match state {
         State::Fingers(FingersState { grasp, angle_index, plane, .. }) => (grasp.clone(), *angle_index, *plane),
@@ -56,7 +56,7 @@ fn grasps(plan: &PlanRecord) -> Vec<(Vec<u32>, i64, Plane)> {
     plan.states.iter().map(|timed| of(&timed.state)).collect()
 }
 
-/// How the part stands at the end.
+/// Position and orientation of the part at the end.
 fn last(plan: &PlanRecord) -> (Vector3<f64>, UnitQuaternion<f64>) {
     match plan.states.last().map(|timed| &timed.state) {
         Some(State::Fingers(FingersState { position_um, orientation: [w, x, y, z], .. })) => {
@@ -90,7 +90,7 @@ fn the_papers_case_is_turned_as_asked_and_proven_cheapest() {
         held.sort_unstable();
         assert_eq!(held, [1, 38], "{pair:?}");
     }
-    // The first and the third turn need rolling only: 4 + 5 steps of two fingers; the second rolls 11.
+    // The first and third turns need only rolling: 4 + 5 steps of two fingers; the second rolls 11.
     let reconfigurations = plan.outcomes["reconfigurations"];
     assert!((plan.cost - (2.0 * 400.0 + 180.0 * reconfigurations)).abs() < 1e-6, "{} deg", plan.cost);
 }
@@ -163,7 +163,7 @@ fn four_fingers_and_a_load_are_planned_too() {
     assert!(orientation.angle_to(&goal).to_degrees() < 0.5);
 }
 
-/// A part, a hand and a task by chance.
+/// A random part, hand and task.
 fn random_program(chance: &mut Random) -> String {
     let size = |chance: &mut Random| chance.thousandths(8.0, 17.0);
     let [a, b, c] = [size(chance), size(chance), size(chance)];

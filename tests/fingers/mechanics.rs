@@ -1,17 +1,17 @@
-//! Holding, the reserve, and the messages if nothing holds: programs that once were answered wrongly.
+//! Holding, the reserve, and the messages when nothing holds: programs that once got a wrong answer.
 
 use super::support::{build, compiled, found};
 use tweeze::check::imports::NoFiles;
 use tweeze::claims::Order;
 use tweeze::verify::{Rule, Verdict, verify_program};
 
-/// Everything that is said of a program: code, title, labels and help of each report.
+/// Code, title, labels and help of each diagnostic of a program.
 pub fn reported(text: &str) -> Vec<String> {
     let (_, _, sink) = compiled(&NoFiles, text);
     sink.sorted().into_iter().map(|diagnostic| format!("{diagnostic:?}")).collect()
 }
 
-/// Cost and bound of the one plan of a program, in degrees.
+/// Cost and bound of the only plan of a program, in degrees.
 fn cost(text: &str) -> [f64; 2] {
     let built = build(text);
     assert_eq!(built.codes, Vec::<&str>::new(), "{text}");
@@ -51,7 +51,7 @@ fn a_load_acts_where_the_mass_of_an_outline_is() {
     assert!(reported(&sections)[0].contains("E0577"));
     let stated = sections.replace(" } } }", " }, centre_of_mass: (6 um, 0 um, 0 um) } }");
     assert!(reported(&stated)[0].contains("exerts 0.6 uN um"), "{:?}", reported(&stated));
-    // Optima that a search of its own found, with the load at the centre of the area.
+    // Optima found by a separate search, with the load at the centroid of the area.
     assert_eq!(cost(&found("fingers-loaded-bean")), [1656.0; 2]);
     assert_eq!(cost(&found("fingers-loaded-bean-pushed")), [1002.0; 2]);
 }
@@ -67,7 +67,7 @@ fn a_grasp_that_is_kept_must_bear_the_load_of_each_task() {
         build(&text.replace("wait 1 s", "release").replace("{ step", "{ support: 1 N, step")).codes,
         Vec::<&str>::new()
     );
-    // The verifier, too, holds what waits against the load.
+    // The verifier, too, checks a waiting grasp against the load.
     let unloaded = text.replace("load: (0 uN, 0 uN, -25 uN), ", "");
     let (built, (_, sources, _)) = (build(&unloaded), compiled(&NoFiles, &unloaded));
     let (schedule, mut claims) = (built.schedules[0].schedule().clone(), built.schedules[0].claims().clone());
@@ -129,12 +129,13 @@ fn what_cannot_be_planned_with_is_refused_by_the_check() {
             "{name}: {reported:?}"
         );
     }
-    // What the help suggests is taken.
+    // The step that the help suggests is accepted.
     let coarser = found("fingers-many-grasps").replace("step: 5 deg", "step: 8 deg");
     assert!(!reported(&coarser).iter().any(|reported| reported.contains("E0541")));
 }
 
-/// The contacts of a grasp are counted in the plane of the task's next turn, else in that of its last one, whatever is released between.
+/// The contacts of a grasp are counted in the plane of the task's next turn, or else of its last one, even if the part
+/// is released in between.
 #[test]
 fn contacts_are_counted_in_the_plane_of_the_next_turn_or_the_last() {
     let after_release = found("fingers-grasp-after-release");
@@ -162,7 +163,7 @@ fn an_outline_through_its_origin_is_refused_at_the_door() {
     assert_eq!(build(&found("fingers-outline-through-origin")).codes, ["E0514"]);
 }
 
-/// Each was once planned and then refused by the verifier.
+/// Each of these was once planned and then refused by the verifier.
 #[test]
 fn what_was_refused_by_the_verifier_is_built() {
     for name in ["fingers-wait-before-grasp", "fingers-balanced-while-carried", "fingers-orient-then-grasp"] {
@@ -170,8 +171,8 @@ fn what_was_refused_by_the_verifier_is_built() {
     }
 }
 
-/// The part may turn back first: each was once said to have no plan, or a dearer plan was said to be optimal. The first four figures are also
-/// those of a search of its own, with one revolution beyond start and goal.
+/// The part may turn the other way first. Each program was once reported to have no plan, or a dearer plan was reported
+/// as optimal. The first four figures also come from a separate search, with one revolution beyond start and goal.
 #[test]
 fn a_turn_may_begin_the_other_way_round() {
     let mirrored = |text: String| text.replace("(31, 46, 12)", "(17, 2, 36)").replace("(31, 0, 12)", "(17, 0, 36)");
@@ -179,14 +180,14 @@ fn a_turn_may_begin_the_other_way_round() {
     assert_eq!(cost(&mirrored(found("fingers-mirrored-no-plan"))), [480.0; 2]);
     assert_eq!(cost(&found("fingers-turned-back-no-plan")), [540.0; 2]);
     assert_eq!(cost(&found("fingers-turned-back-dearer")), [1410.0; 2]);
-    // The same turns in two parts cost this much.
+    // The cost of the same turns in two parts.
     for (name, most_deg) in [("fingers-turned-back-pushing", 2400.0), ("fingers-turned-back-between-planes", 2340.0)] {
         let [cost_deg, bound_deg] = cost(&found(name));
         assert!(cost_deg == bound_deg && cost_deg <= most_deg, "{name}: {cost_deg} deg, bound {bound_deg} deg");
     }
 }
 
-/// A part that is only carried does not roll: the replay stays in the plane of the last turn, as the plan does.
+/// A part that is only carried does not roll: the replay stays in the plane of the last turn, like the plan.
 #[test]
 fn a_part_is_carried_between_turns_about_two_axes() {
     for name in ["fingers-carried-between-planes", "fingers-carried-on-axis"] {
@@ -195,7 +196,7 @@ fn a_part_is_carried_between_turns_about_two_axes() {
     }
 }
 
-/// Outlines that are nearly too rough take longest to refuse; there is an end to them.
+/// Nearly too rough outlines take longest to refuse; that must end too.
 #[test]
 fn curves_and_solids_have_a_budget() {
     let wavy = "profile { x: (14 + i/1000) * 1 um * cos(t) - 0.6 um * cos(190 * t), y: 13 um * sin(t) }";
@@ -217,17 +218,18 @@ fn a_torque_that_no_contact_bears_is_named() {
     let reported = reported(&text);
     assert!(reported.len() == 1 && reported[0].contains("E0601"), "{reported:?}");
     assert!(reported[0].contains("contacts 1 and 9") && reported[0].contains("uN um"), "{reported:?}");
-    // The same load in the plane was refused before, a small one is borne, and three fingers bear the whole.
+    // The same load in the plane is refused, a small load is borne, and three fingers bear the full load.
     assert_eq!(build(&text.replace("(0 uN, 0 uN, -0.8 uN)", "(0 uN, -0.8 uN, 0 uN)")).codes, ["E0601"]);
     assert_eq!(cost(&text.replace("-0.8 uN", "-0.1 nN"))[0], 40.0);
     assert_eq!(cost(&text.replace("(1, 9, 0)", "(1, 26, 50)"))[0], 60.0);
-    // Tips without torsion bear it only through the line.
+    // Tips without torsional friction bear it only through the line of the contacts.
     let hard = with(&text, "torsion: 0 um");
     assert_eq!(build(&hard.replace("-0.8 uN", "-1 nN")).codes, ["E0601"]);
     assert_eq!(cost(&hard.replace("(1, 9, 0)", "(1, 26, 50)"))[0], 60.0);
 }
 
-/// The cheapest plan reconfigures twice. Where tips come slowly, as here, a reconfiguration takes longer than the rolling that it saves.
+/// The cheapest plan reconfigures twice. Since tips approach slowly here, a reconfiguration takes longer than the
+/// rolling that it saves.
 const RECONFIGURED_TWICE: &str = "use std.fingers as f\ndevice hand : f.three_fingers {\n  \
     tip_radius: 3.8 um, step: 40 deg, adhesion: false, friction: 0.4, clearance: 0.1 um\n  \
     gaiting_cost: 40 deg, approach_speed: 0.2 um/s\n}\n\
@@ -240,7 +242,7 @@ fn with_limit(text: &str, limit: &str) -> String {
 
 #[test]
 fn a_limit_of_reconfigurations_is_searched_for() {
-    // It is missed by the cheapest plan, and kept by another.
+    // The cheapest plan breaks the limit, and another one keeps it.
     assert_eq!(cost(&with_limit(RECONFIGURED_TWICE, "reconfigurations <= 2")), [640.0; 2]);
     assert_eq!(cost(&with_limit(RECONFIGURED_TWICE, "reconfigurations <= 1")), [680.0; 2]);
     let effort = reported(&with_limit(RECONFIGURED_TWICE, "effort <= 600 deg"));
@@ -257,12 +259,12 @@ fn a_limit_of_reconfigurations_is_searched_for() {
 fn large_parts_and_loads_are_planned_with_few_looks() {
     assert_eq!(cost(&found("fingers-many-ways-slow")), [240.0; 2]);
     assert_eq!(cost(&found("fingers-loaded-slow")), [280.0; 2]);
-    // More looks find what few do not, and the help says so.
+    // A larger budget finds what a small one does not, and the help says so.
     let weighed = found("fingers-weighed-slow");
     let given_up = reported(&weighed);
     let more = "`using published_astar { looks: 600000000 }`";
     assert!(given_up.len() == 1 && given_up[0].contains("E0602") && given_up[0].contains(more), "{given_up:?}");
-    // The work of bounds and estimates is counted too.
+    // The work of bounds and estimates is counted in the budget too.
     assert_eq!(cost(&found("fingers-decomposed-slow")), [2600.0, 440.0]);
     let given_up = reported(&found("fingers-published-slow"));
     assert!(given_up.len() == 1 && given_up[0].contains("E0602") && given_up[0].contains("looks"), "{given_up:?}");
@@ -276,7 +278,7 @@ fn a_limit_of_time_is_searched_for_with_fewer_reconfigurations() {
     assert!(fewer_s < most_s, "{fewer_s} s, {most_s} s");
     let limited = |limit_s: f64| with_limit(RECONFIGURED_TWICE, &format!("time <= {limit_s} s"));
     assert_eq!(cost(&limited((fewer_s + most_s) / 2.0)), [680.0, 640.0]);
-    // What is below every plan is proven; what is between is not known.
+    // A limit below every plan is proven too low; a limit in between is left open.
     let known = reported(&limited(1e-3));
     assert!(
         known.len() == 1 && known[0].contains("E0603") && known[0].contains("proven: no plan has less than"),
@@ -290,7 +292,7 @@ fn a_limit_of_time_is_searched_for_with_fewer_reconfigurations() {
 fn the_greedy_planner_says_what_the_other_one_finds() {
     let text = found("fingers-optimal-but-reserve");
     let greedy = |text: &str| text.replacen("  rotate", "  using greedy_decomposition\n  rotate", 1);
-    // What has no plan at all is not said to have one.
+    // A program without any plan must not be reported to have one.
     let slippery = text.replace("friction: 0.511", "friction: 0.01");
     let reported = reported(&greedy(&slippery));
     assert!(
@@ -299,7 +301,7 @@ fn the_greedy_planner_says_what_the_other_one_finds() {
     );
 }
 
-/// A cube as text, its half width in micrometres.
+/// A cube as a mesh in text form; `half` is its half width in micrometres.
 fn cube(half: f64) -> String {
     let mut text = "solid cube\n".to_owned();
     for (axis, sign) in [0, 1, 2].into_iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
@@ -330,7 +332,7 @@ fn an_upright_cube_of_a_mesh_is_taken() {
     assert!(built.schedules[0].schedule().plans[0].optimal);
 }
 
-/// The end of the cheapest plan that was found first could not be left; others that cost the same can.
+/// The final grasp of the first cheapest plan could not be released; others of the same cost can.
 #[test]
 fn a_part_is_released_from_a_grasp_that_the_fingers_can_leave() {
     for (name, least) in [("fingers-released-after-a-turn", 756.0), ("fingers-released-after-two-turns", 1296.0)] {

@@ -1,4 +1,5 @@
-//! Random hands against all possible grasps: effort, reconfigurations, limits on both, optimality and the proof that there is no plan.
+//! Random hands against all possible grasps: effort, reconfigurations, limits on both, optimality, and the proof that
+//! there is no plan.
 
 use super::brute::Brute;
 use super::case::{Case, Step};
@@ -7,7 +8,7 @@ use super::random::Random;
 use super::support::{Built, build};
 use std::ops::Range;
 
-/// What is let pass either way where a balance is exact: a grasp may hold or not by rounding.
+/// Tolerance in both directions where a balance is exact, because rounding may decide whether a grasp holds.
 const SLACK: f64 = 1e-6;
 
 /// Kinds of cases.
@@ -106,24 +107,24 @@ fn random_steps(chance: &mut Random, kind: Kind, steps_per_turn: u32) -> Vec<Ste
     steps
 }
 
-/// What became of a case.
+/// Counts of outcomes.
 #[derive(Debug, Default)]
 struct Tally {
     planned: u32,
     proven_none: u32,
     limited: u32,
     limits_proven_too_low: u32,
-    /// Held against the quickest sequence of grasps.
+    /// Compared with the quickest sequence of grasps.
     timed: u32,
-    /// Not searched to its end: bounds are held against the least, and nothing is said to be proven.
+    /// Not searched exhaustively: bounds are compared with the least cost, and nothing is reported as proven.
     open: u32,
-    /// Only within the slack.
+    /// Agrees only within the slack.
     marginal: u32,
-    /// The check refuses what was asked for.
+    /// Refused by the check.
     skipped: u32,
 }
 
-/// Cost and bound in degrees, reconfigurations, and whether it is said to be optimal.
+/// Cost and bound in degrees, reconfigurations, and whether it is reported as optimal.
 #[derive(Debug, Clone, Copy)]
 pub struct Planned {
     pub cost_deg: f64,
@@ -140,10 +141,10 @@ pub fn planned(built: &Built) -> Option<Planned> {
     Some(Planned { cost_deg: plan.cost, bound_deg: plan.bound, gaits, optimal: plan.optimal, time_s })
 }
 
-/// What all grasps say: the least effort and its reconfigurations, within a limit of these.
+/// Result over all grasps: the least effort and its reconfigurations, within a limit on these.
 type Least = Option<(f64, u32)>;
 
-/// Whether a plan is what all grasps say.
+/// Whether a plan agrees with the result over all grasps.
 fn is_that(planned: Option<Planned>, least: Least) -> bool {
     match (planned, least) {
         (Some(plan), Some((deg, gaits))) => {
@@ -156,7 +157,8 @@ fn is_that(planned: Option<Planned>, least: Least) -> bool {
     }
 }
 
-/// Holds a plan, or the proof that there is none, against all grasps; whether they agree without slack.
+/// Compares a plan, or the proof that there is none, with the result over all grasps; returns whether they agree
+/// without slack.
 pub fn agrees(case: &Case, planned: Option<Planned>, most: Option<u32>, text: &str) -> bool {
     let least = |slack: f64| Brute::of(case, slack).least_deg(most);
     if is_that(planned, least(0.0)) {
@@ -180,13 +182,14 @@ fn hold(case: &Case, kind: Kind, tally: &mut Tally) {
     let found = match built.codes.as_slice() {
         [] => planned(&built),
         ["E0601"] => None,
-        // A search that ended, or a grasp that no finger can leave: nothing is claimed.
+        // The search was cut off, or no finger can leave a grasp; nothing is claimed.
         ["E0602"] => {
             tally.open += 1;
             return;
         }
         codes => {
-            // A grasp of tips that touch, a turn that is no whole number of steps, nothing held, no way to an orientation.
+            // Tips that touch, a turn that is not a whole number of steps, nothing held, or no decomposition of an
+            // orientation.
             let known = ["E0543", "E0544", "E0545", "E0546", "E0547", "E0548", "E0549", "E0550"];
             assert!(codes.iter().all(|code| known.contains(code)), "{codes:?}\n{text}");
             tally.skipped += 1;
@@ -201,7 +204,7 @@ fn hold(case: &Case, kind: Kind, tally: &mut Tally) {
     tally.marginal += u32::from(!agrees);
     let Some(plan) = found else { return };
     if !plan.optimal {
-        // Under a load after an orientation, or where ways are too many.
+        // Under a load after an orientation, or with too many decompositions.
         assert!(kind == Kind::Oriented || kind == Kind::Loaded, "{plan:?}\n{text}");
         tally.open += 1;
         return;
@@ -215,8 +218,8 @@ fn with_limits(text: &str, limits: &str) -> String {
     text.replacen("{\n  precision", &format!("{{\n{limits}  precision"), 1)
 }
 
-/// With fewer and fewer reconfigurations than the cheapest plan has, there is a plan of more effort, or there is none; with less effort
-/// than a plan has there is none with as few reconfigurations.
+/// With ever fewer reconfigurations than the cheapest plan has, there is a plan of greater effort or none. With less
+/// effort than a plan has, there is none with as few reconfigurations.
 fn limited(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
     let mut best = plan;
     timed(case, plan, text, tally);
@@ -252,13 +255,13 @@ fn limited(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
     }
 }
 
-/// No sequence of grasps takes less than is said to be proven, and no plan less than the quickest sequence; with its own time as a limit a
-/// plan is found, and below it nothing is said to be proven that is not so.
+/// No sequence of grasps is quicker than the proven bound, and no plan is quicker than the quickest sequence. With a
+/// plan's own time as the limit a plan is found; below it, nothing false is reported as proven.
 fn timed(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
     let least_s = |slack: f64| Brute::of(case, slack).least_s();
     let (soonest_s, Some(loose_s)) = (time_bound_s(text), least_s(SLACK)) else { panic!("there is a plan\n{text}") };
     assert!(soonest_s <= loose_s * (1.0 + 1e-6), "{soonest_s} s is said to be the least, {loose_s} s is\n{text}");
-    // Rolling goes along short straight stretches, which spare a little of the way.
+    // Rolling follows short straight segments, which are slightly shorter than the true path.
     assert!(plan.time_s >= loose_s * 0.99, "{plan:?} is quicker than {loose_s} s\n{text}");
     let within = |limit_s: f64| with_limits(text, &format!("  require time <= {} ns\n", (limit_s * 1e9).round()));
     let built = build(&within(plan.time_s));
@@ -268,7 +271,7 @@ fn timed(case: &Case, plan: Planned, text: &str, tally: &mut Tally) {
     tally.timed += 1;
 }
 
-/// The time below which there is said to be no plan, in seconds.
+/// The proven lower bound on the time, in seconds.
 fn time_bound_s(text: &str) -> f64 {
     let reported = reported(&with_limits(text, "  require time <= 1 ns\n"));
     let (_, rest) = reported[0].split_once("proven: no plan has less than ").expect("a bound");
@@ -279,7 +282,7 @@ fn time_bound_s(text: &str) -> f64 {
     number * unit.expect("a unit of time").1
 }
 
-/// What is said of a limit of reconfigurations that is too low is so.
+/// The least number of reconfigurations that the message for a limit names is correct.
 fn least_is_said(case: &Case, limit: &str) {
     let reported = reported(limit);
     let fewest = |slack: f64| Brute::of(case, slack).fewest();
@@ -288,7 +291,7 @@ fn least_is_said(case: &Case, limit: &str) {
     assert!(reported.len() == 1 && reported[0].contains("E0603") && is_so, "{reported:?}\n{limit}");
 }
 
-/// A few cases of a kind, of which none takes long, or those of a long run.
+/// A few quick cases of a kind, or those of a long run.
 fn cases(kind: Kind, few: Range<u32>) -> Tally {
     let number = |name: &str| std::env::var(name).ok().and_then(|cases| cases.parse::<u32>().ok());
     let skipped = number("TWEEZE_ORACLE_FROM").unwrap_or(0);

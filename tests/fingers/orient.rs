@@ -1,22 +1,24 @@
-//! The decompositions of an orientation by docs/language.md: up to three turns about z and y, each by the nearest number of steps or the
-//! next one, the short way or the long one.
+//! Decompositions of an orientation according to docs/language.md: up to three turns about z and y, each by the nearest
+//! number of steps or the next one, the short way round or the long one.
 //!
-//! The exact angles are found by search: the middle one from its effect on the axis of the first, the others from the rest.
+//! The exact angles are found by search: the middle one from its effect on the axis of the first turn, the others from
+//! the remaining rotation.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// About z (`true`) or y, in steps.
+/// Turns about z (`true`) or y, in steps.
 pub type Turns = Vec<(bool, i32)>;
 
 fn about(is_about_z: bool, angle_rad: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_scaled_axis(if is_about_z { Vector3::z() } else { Vector3::y() } * angle_rad)
 }
 
-/// The three angles of turns about one axis, the other and the first again: both solutions, or those with one turn left out.
+/// The three angles of turns about one axis, the other, and the first again: both solutions, or those with one turn
+/// left out.
 fn exact(goal: UnitQuaternion<f64>, first: bool) -> Vec<[f64; 3]> {
     let axis = if first { Vector3::z() } else { Vector3::y() };
-    // The middle turn takes the axis away from itself by its own angle.
+    // The middle turn tilts the axis by exactly its own angle.
     let middle = (goal * axis).angle(&axis);
     let off = |angles: [f64; 3]| {
         let [a, b, c] = angles;
@@ -30,14 +32,14 @@ fn exact(goal: UnitQuaternion<f64>, first: bool) -> Vec<[f64; 3]> {
         return vec![[best(&|a| off([a, PI, 0.0])), PI, 0.0], [0.0, PI, best(&|c| off([0.0, PI, c]))]];
     }
     let solution = |middle: f64| {
-        // What the turn before it has to be, and then the one after it.
+        // First the turn before it, then the turn after it.
         let there = best(&|a| (about(first, a) * about(!first, middle) * axis).angle(&(goal * axis)));
         [there, middle, best(&|c| off([there, middle, c]))]
     };
     vec![solution(middle), solution(-middle)]
 }
 
-/// The angle with the least of a function that has one minimum: tried all round, then ever more finely.
+/// The angle that minimises a function with a single minimum: sampled all round, then ever more finely.
 fn best(of: &dyn Fn(f64) -> f64) -> f64 {
     let mut at = 0.0;
     let mut width = PI;
@@ -49,7 +51,7 @@ fn best(of: &dyn Fn(f64) -> f64) -> f64 {
     at
 }
 
-/// All ways, none twice. Steps are by so many radians about z and about y.
+/// All decompositions without duplicates; a step is `z_rad` about z and `y_rad` about y.
 pub fn ways(goal: UnitQuaternion<f64>, [z_rad, y_rad]: [f64; 2]) -> Vec<Turns> {
     let mut found: Vec<Turns> = Vec::new();
     for first in [true, false] {
@@ -74,7 +76,7 @@ pub fn ways(goal: UnitQuaternion<f64>, [z_rad, y_rad]: [f64; 2]) -> Vec<Turns> {
     found
 }
 
-/// The nearest number of steps and the next one, the short way and the long one; none of more than about a full turn.
+/// The nearest number of steps and the next one, the short way and the long one; none exceeds about a full turn.
 fn numbers(angle_rad: f64, step_rad: f64) -> Vec<i32> {
     let short = (angle_rad + PI).rem_euclid(TAU) - PI;
     let mut all = Vec::new();
@@ -90,7 +92,7 @@ fn numbers(angle_rad: f64, step_rad: f64) -> Vec<i32> {
     all.into_iter().map(|steps| steps as i32).collect()
 }
 
-/// Without turns by nothing; turns about one axis that then follow each other are one.
+/// Removes zero turns and merges consecutive turns about the same axis.
 fn joined(turns: [(bool, i32); 3]) -> Turns {
     let mut joined: Turns = Vec::new();
     for (is_about_z, steps) in turns {

@@ -1,8 +1,8 @@
-//! An independent integration: tips touch an outline that is given by a formula here, and roll on it without slip.
+//! Independent integration: tips touch an outline that is given by a formula here, and roll on it without slip.
 //!
-//! Nothing of the crate's geometry is used. At each instant the velocity of the part is the one that carries the points at which tips
-//! touch with the tips, by least squares over all tips; it is integrated by the midpoint rule along the motion of the stages. Recorded poses
-//! and the figures of `reached` must agree with it.
+//! None of the crate's geometry is used. At each instant the velocity of the part is the least-squares fit over all
+//! tips that carries the touched points along with the tips; it is integrated by the midpoint rule along the motion of
+//! the stages. Recorded poses and the figures of `reached` must agree with the result.
 
 use crate::random::{Random, cases};
 use crate::support::build;
@@ -13,16 +13,17 @@ use tweeze::device::fingers::Plane;
 use tweeze::schedule::fingers::FingersState;
 use tweeze::schedule::{PlanRecord, Reached, Schedule, State};
 
-/// How far a recorded orientation may be from the integrated one, for each full turn that was rolled by then.
+/// Tolerance of a recorded orientation for each full turn rolled so far.
 const TURN_DEG: f64 = 0.01;
 
-/// How far a recorded place may be: what such a turn moves the rim of the part by, about.
+/// Tolerance of a recorded position: about what such an angle moves the rim of the part.
 const PLACE_UM: f64 = 3e-3;
 
-/// Parts into which each straight stretch is cut.
+/// Number of parts into which each straight segment is divided.
 const PARTS: u32 = 6;
 
-/// a cos t + b cos 2t + p sin³t and c sin t + q sin 2t, in micrometres; for a plane xz the second one is z.
+/// The curve a cos t + b cos 2t + p sin³t, c sin t + q sin 2t, in micrometres; in the plane xz the second coordinate is
+/// z.
 #[derive(Clone, Copy, Debug)]
 struct Outline {
     a: f64,
@@ -41,7 +42,7 @@ impl Outline {
         )
     }
 
-    /// Place and both derivatives by t, in the coordinates of a plane.
+    /// Point and first two derivatives by t, in the coordinates of a plane.
     fn at(&self, plane: Plane, t: f64) -> [Vector2<f64>; 3] {
         let Outline { a, b, c, p, q } = *self;
         let (s, k) = t.sin_cos();
@@ -54,7 +55,7 @@ impl Outline {
         [place, first, second].map(|[x, y]| Vector2::new(x, sign * y))
     }
 
-    /// The parameter of the place nearest to a point.
+    /// The parameter of the point of the curve nearest to a given point.
     fn nearest(&self, plane: Plane, point: Vector2<f64>, from: Option<f64>) -> f64 {
         let square = |t: f64| (self.at(plane, t)[0] - point).norm_squared();
         let all = (0..720).map(|index| TAU * f64::from(index) / 720.0);
@@ -72,7 +73,7 @@ impl Outline {
     }
 }
 
-/// The stretches of each channel of a hand, in order of time.
+/// The motion segments of each channel of a hand, in order of time.
 struct Stages(BTreeMap<(usize, usize), Vec<[f64; 4]>>);
 
 impl Stages {
@@ -97,7 +98,8 @@ impl Stages {
         Vector3::new(axis(0), axis(1), axis(2))
     }
 
-    /// The instants between two at which an axis of these fingers takes a new line, and both ends.
+    /// The instants in an interval at which an axis of these fingers begins a new segment, and both ends of the
+    /// interval.
     fn instants(&self, fingers: &[usize], [from, to]: [f64; 2]) -> Vec<f64> {
         let lines = self.0.iter().filter(|((finger, _), _)| fingers.contains(finger)).flat_map(|(_, lines)| lines);
         let mut instants: Vec<f64> = lines.flat_map(|line| [line[0], line[1]]).collect();
@@ -109,7 +111,7 @@ impl Stages {
     }
 }
 
-/// Where the part is: its place and how it is turned.
+/// Pose of the part.
 #[derive(Clone, Copy)]
 struct Pose {
     place: Vector3<f64>,
@@ -117,7 +119,7 @@ struct Pose {
 }
 
 impl Pose {
-    /// In the coordinates of a plane through the part, and before it.
+    /// A point of space in the coordinates of a plane of the part.
     fn seen(&self, plane: Plane, point: Vector3<f64>) -> Vector2<f64> {
         let own = self.turn.inverse() * (point - self.place);
         let [first, second] = plane.axes().map(Vector3::from);
@@ -131,10 +133,10 @@ impl Pose {
     }
 }
 
-/// Shift in the plane and turn, as they go on from a pose.
+/// Shift in the plane and turn, accumulated from a pose.
 type Sweep = Vector3<f64>;
 
-/// How the part moves on with its tips from where it was swept to, by the ways of the tips.
+/// Rate of the part's motion with its tips, from the pose reached so far; the tips move along straight segments.
 fn swept(
     outline: &Outline,
     plane: Plane,
@@ -159,7 +161,8 @@ fn swept(
     square.try_inverse().expect("two tips that are apart") * right
 }
 
-/// The worst that a record is off: degrees and micrometres, both for each full turn rolled; less than one counts as one.
+/// The worst deviation of a record, in degrees and micrometres, each per full turn rolled; less than one turn counts as
+/// one.
 fn off(schedule: &Schedule, plan: &PlanRecord, outlines: &BTreeMap<Plane, Outline>) -> [f64; 2] {
     let stages = Stages::of(schedule);
     type Recorded<'a> = (u64, &'a Vec<u32>, Plane, Vector3<f64>, UnitQuaternion<f64>);
@@ -199,7 +202,7 @@ fn off(schedule: &Schedule, plan: &PlanRecord, outlines: &BTreeMap<Plane, Outlin
             }
             pose = start.moved(plane, sweep.xy(), sweep.z);
             rolled_rad += sweep.z.abs();
-            // What tips that are carried along do across the plane.
+            // Motion of carried tips across the plane.
             let across = pose.turn * Vector3::from(plane.normal());
             let lift: f64 = fingers
                 .iter()
@@ -216,7 +219,7 @@ fn off(schedule: &Schedule, plan: &PlanRecord, outlines: &BTreeMap<Plane, Outlin
     worst
 }
 
-/// A part of two random outlines that meet on the x axis, or of one, and turns of it.
+/// A part with one random outline, or two that meet on the x axis, and turns of it.
 fn random_case(chance: &mut Random) -> (String, BTreeMap<Plane, Outline>) {
     let small = |chance: &mut Random| chance.thousandths(-1.5, 1.5);
     let a = chance.thousandths(13.0, 15.0);
@@ -279,7 +282,7 @@ fn recorded_poses_are_where_the_tips_have_rolled_the_part() {
     assert!(crossed > 0);
 }
 
-/// Every turn that a step of the only plan is said to reach: asked, reached and off.
+/// Every turn that a step of the only plan reports as reached: asked, reached, and difference.
 fn turns(text: &str) -> Vec<[f64; 3]> {
     let built = build(text);
     assert_eq!(built.codes, Vec::<&str>::new(), "{text}");
@@ -291,7 +294,8 @@ fn turns(text: &str) -> Vec<[f64; 3]> {
     reached.filter_map(turn).collect()
 }
 
-/// 360 deg and the perimeter over the tip's radius, over so many contacts: by which a step turns an ellipse.
+/// The angle by which a step turns an ellipse: 360 deg plus the perimeter over the tip's radius, divided by the number
+/// of contacts.
 fn ellipse_step_deg([a, b]: [f64; 2], tip_radius: f64, contacts: f64) -> f64 {
     let parts = 100_000;
     let speed = |t: f64| (a * t.sin()).hypot(b * t.cos());
@@ -327,14 +331,14 @@ fn an_orientation_says_how_far_it_is_off() {
     match built.schedules[0].schedule().steps[0].reached.as_slice() {
         [Reached::Orientation { off_deg, .. }] => {
             let due = (4.0 * step_deg - 85.0).abs().min((5.0 * step_deg - 85.0).abs());
-            // Of the ways within the precision the cheapest is taken.
+            // The cheapest way within the precision is taken.
             assert!((off_deg - due).abs() < 1e-6, "{off_deg} deg, {due} deg by formula");
         }
         other => panic!("an orientation: {other:?}"),
     }
 }
 
-/// The help of an error names a step; with it the program builds.
+/// The help of an error suggests a step, with which the program builds.
 #[test]
 fn the_step_that_is_advised_reaches_the_goal() {
     let program = |step: &str, action: &str| {

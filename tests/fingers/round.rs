@@ -1,4 +1,5 @@
-//! The angles that a turn may visit: a task costs what its mirror image costs, and a turn in two parts never costs less than the whole.
+//! Angles that a turn may visit: a task costs as much as its mirror image, and a turn in two parts never costs less
+//! than the whole turn.
 
 use super::brute::Brute;
 use super::case::{Case, FINGERS, Step};
@@ -8,7 +9,7 @@ use super::support::{Built, build};
 use tweeze::schedule::State;
 use tweeze::schedule::fingers::FingersState;
 
-/// A turn about z between two grasps by chance, in a small case.
+/// A small case with a turn about z between two random grasps.
 fn turn_between_grasps(chance: &mut Random) -> (Case, i32) {
     let kind = if chance.below(3) == 0 { Kind::Pushing } else { Kind::Sticking };
     let case = random_case(chance, kind);
@@ -28,7 +29,7 @@ fn turn_between_grasps(chance: &mut Random) -> (Case, i32) {
     (Case { steps, ..case }, turn)
 }
 
-/// The case seen from behind, turned about x by half a circle.
+/// The case seen from behind, that is, turned about x by half a circle.
 fn mirrored(case: &Case, contacts: u32) -> Case {
     let step = |step: &Step| match *step {
         Step::Turn(is_about_z, turn) => Step::Turn(is_about_z, -turn),
@@ -40,7 +41,7 @@ fn mirrored(case: &Case, contacts: u32) -> Case {
     Case { steps: case.steps.iter().map(step).collect(), ..case.clone() }
 }
 
-/// The case with its turn in two parts, of which the first goes the other way.
+/// The case with its turn in two parts, the first in the opposite direction.
 fn turned_back(case: &Case, turn: i32, back: i32) -> Case {
     let step = |step: &Step| match *step {
         Step::Turn(is_about_z, _) => vec![Step::Turn(is_about_z, -back), Step::Turn(is_about_z, turn + back)],
@@ -59,14 +60,15 @@ fn goes_beyond(built: &Built, turn: i32) -> bool {
     angles.any(|angle| angle * i64::from(turn.signum()) < 0)
 }
 
-/// The plan of a case, `None` where there is proven to be none; nothing where the check refuses it.
+/// The build and plan of a case; the plan is `None` if it is proven that there is none, and the result is `None` if the
+/// check refuses the case.
 fn answered(case: &Case) -> Option<(Built, Option<Planned>)> {
     let text = case.text();
     let built = build(&text);
     assert!(!built.refused, "the judge refuses it: {:?}\n{text}", built.codes);
     let found = planned(&built);
     let is_answered = built.codes.is_empty() || built.codes == ["E0601"];
-    // A grasp of tips that touch, or a turn that is no whole number of steps.
+    // Otherwise a grasp whose tips touch, or a turn that is not a whole number of steps.
     assert!(is_answered || built.codes.iter().all(|code| code.starts_with("E054")), "{:?}\n{text}", built.codes);
     is_answered.then_some((built, found))
 }

@@ -1,4 +1,4 @@
-//! `tweeze fmt` as users see it.
+//! `tweeze fmt` from the user's side.
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;

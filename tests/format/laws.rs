@@ -1,4 +1,4 @@
-//! What holds for the canonical form of any text.
+//! Invariants of the canonical form of any text.
 
 use super::mangle::mangled;
 use super::random::Random;
@@ -9,14 +9,14 @@ use tweeze::format::format;
 use tweeze::source::FileId;
 use tweeze::syntax::parse;
 
-/// Generated programs and mutated texts in a run; `TWEEZE_FORMAT_CASES` sets another number.
+/// Number of generated programs and mutated texts per run; `TWEEZE_FORMAT_CASES` overrides it.
 const CASES: u64 = 300;
 
 fn cases() -> u64 {
     std::env::var("TWEEZE_FORMAT_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(CASES)
 }
 
-/// The canonical text, and the errors reported.
+/// The canonical text, and the errors that were reported.
 pub fn canonical(text: &str) -> (String, Vec<String>) {
     let mut sink = Sink::default();
     let formatted = format(FileId(0), text, &mut sink);
@@ -27,7 +27,7 @@ fn errors(sink: &Sink) -> Vec<String> {
     sink.sorted().iter().map(|error| format!("{} {}", error.code.name(), error.title)).collect()
 }
 
-/// The tree of a text without its places, units in their usual spelling, and the errors.
+/// The tree of a text without spans and with units in their usual spelling, and the errors.
 fn tree(text: &str) -> (String, Vec<String>) {
     let mut sink = Sink::default();
     let tree = parse(FileId(0), text, &mut sink);
@@ -52,7 +52,7 @@ fn comments(text: &str) -> Vec<&str> {
     text.lines().filter_map(|line| comment(line).map(|at| line[at..].trim_end())).collect()
 }
 
-/// Holds a text to the promises; its canonical text.
+/// Checks the invariants for a text; returns its canonical text.
 #[track_caller]
 pub fn hold(text: &str) -> String {
     let (once, found) = canonical(text);
@@ -101,7 +101,7 @@ fn generated_programs_keep_their_tree() {
     }
 }
 
-/// Whatever is changed in blanks, commas and empty lines, the canonical text is the same.
+/// Changes in spaces, commas and empty lines do not change the canonical text.
 #[test]
 fn there_is_one_canonical_form() {
     let mut random = Random::new(18);

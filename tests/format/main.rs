@@ -1,4 +1,4 @@
-//! The canonical form: what it must keep, and the command that makes it.
+//! The canonical form: its invariants, and the command that produces it.
 
 mod command;
 #[path = "../fuzz/generate.rs"]

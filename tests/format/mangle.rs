@@ -1,11 +1,11 @@
-//! Programs that differ from a canonical one in nothing but blanks, empty lines, idle commas and the spelling of units.
+//! Programs that differ from a canonical one only in spaces, empty lines, redundant commas and the spelling of units.
 
 use super::random::Random;
 
-/// A text that means the same as a canonical one.
+/// A random text with the same meaning as a canonical one.
 pub fn mangled(text: &str, random: &mut Random) -> String {
     let ending = if random.below(3) == 0 { "\r\n" } else { "\n" };
-    // The open brackets, `t` for the brace of a table.
+    // The open brackets; `t` stands for the brace of a table.
     let mut open: Vec<char> = Vec::new();
     let mut result = ending.repeat(random.below(3) as usize);
     for line in text.lines() {
@@ -24,7 +24,7 @@ pub fn mangled(text: &str, random: &mut Random) -> String {
             mangled.push_str(&if is_doc { String::new() } else { blanks(random, 0) });
             mangled.push_str(&line[code..]);
         }
-        // A line of `//!` ends with its line.
+        // A `//!` comment ends with its line.
         mangled.push_str(&blanks(random, 0));
         result.push_str(&mangled);
         result.push_str(ending);
@@ -39,7 +39,7 @@ pub fn mangled(text: &str, random: &mut Random) -> String {
     }
 }
 
-/// So many blanks or more, in one of several kinds.
+/// At least `least` spaces or tabs.
 fn blanks(random: &mut Random, least: usize) -> String {
     let count = least + random.below(4) as usize;
     (0..count).map(|_| if random.below(5) == 0 { '\t' } else { ' ' }).collect()
@@ -92,7 +92,7 @@ fn mangle_code(code: &str, open: &mut Vec<char>, random: &mut Random, result: &m
             ')' | ']' | '}' => {
                 let opening = open.pop();
                 let is_empty = code[..at].trim_end().ends_with(['(', '[', ',']);
-                // An index, a unit in a header and the places of a tuple may end with a comma, a header's unit may not.
+                // Lists and tuples may end with a comma; the parameter list of a head may not.
                 let is_list = opening == Some('(') && !is_empty && !is_head(code);
                 if is_list && random.below(6) == 0 {
                     result.push(',');

@@ -1,4 +1,4 @@
-//! The rules, one by one.
+//! The formatting rules, one by one.
 
 use super::laws::{canonical, hold};
 
@@ -86,7 +86,7 @@ fn rows_of_a_list_end_in_the_same_columns() {
         "let a = [\n  [none,  3,     4],                  // top\n  [  10, -1, n + 1]\n]\n",
     );
     becomes("let a = [\n[1,22],\n\n[333,4],\n[5,6]\n]\n", "let a = [\n  [1, 22],\n\n  [333, 4],\n  [  5, 6]\n]\n");
-    // Rows of other lengths, on one line, and of what is no plain value.
+    // Not aligned: rows of different lengths, rows on one line, and rows with other than plain values.
     becomes("let a = [\n[1,2,3],\n[10,20]\n]\n", "let a = [\n  [1, 2, 3],\n  [10, 20]\n]\n");
     becomes("let a = [[1,2],[10,20]]\n", "let a = [[1, 2], [10, 20]]\n");
     becomes("let a = [\n[(1,2),3],\n[(10,20),30]\n]\n", "let a = [\n  [(1, 2), 3],\n  [(10, 20), 30]\n]\n");

@@ -1,4 +1,4 @@
-//! Places read off a camera image: by hand, and against the same programs with all places in lengths.
+//! Places read from a camera image, checked by hand and against the same programs with all places in lengths.
 
 use crate::support::{Built, build};
 use crate::{Random, cases};
@@ -16,7 +16,7 @@ fn order(text: &str) -> tweeze::claims::dimibot::DimibotOrder {
     order.clone()
 }
 
-/// Where the goal of `move to` lies for the compiler.
+/// The compiler's coordinates of the goal of `move to`.
 fn goal_um(image: &str, goal: &str) -> [f64; 2] {
     let text =
         format!("{BOT}scene bench {{\n  frame top : {image}\n}}\ntask go on bot in bench {{ move to {goal} }}\n");
@@ -32,17 +32,17 @@ fn assert_near(one: &[f64], other: &[f64]) {
 
 #[test]
 fn pixels_are_places_as_computed_by_hand() {
-    // Half a micrometre a pixel; y counts down the image.
+    // Half a micrometre per pixel; y points down the image.
     let upright = "image { scale: 0.5 um/px, origin: (10 px, 20 px) } at (3 um, 4 um)";
     assert_near(&goal_um(upright, "(10 px, 20 px)"), &[3.0, 4.0]);
     assert_near(&goal_um(upright, "(14 px, 20 px)"), &[5.0, 4.0]);
     assert_near(&goal_um(upright, "(10 px, 14 px)"), &[3.0, 7.0]);
     assert_near(&goal_um(upright, "(9.5 px, 26 px)"), &[2.75, 1.0]);
-    // Its rows point along y: what lies below in the image lies on the side of greater x.
+    // Its rows point along y, so what is lower in the image has greater x.
     let turned = "image { scale: 0.5 um/px, origin: (10 px, 20 px) } at pose(3 um, 4 um, 90 deg)";
     assert_near(&goal_um(turned, "(14 px, 20 px)"), &[3.0, 6.0]);
     assert_near(&goal_um(turned, "(10 px, 26 px)"), &[6.0, 4.0]);
-    // The same seen from behind.
+    // The same image seen from behind.
     let mirrored = "image { scale: 0.5 um/px, origin: (10 px, 20 px), mirrored: true } at pose(3 um, 4 um, 90 deg)";
     assert_near(&goal_um(mirrored, "(14 px, 20 px)"), &[3.0, 6.0]);
     assert_near(&goal_um(mirrored, "(10 px, 26 px)"), &[0.0, 4.0]);
@@ -117,7 +117,7 @@ fn what_cannot_be_is_said() {
     assert_eq!(build(home).codes, ["E0570"]);
 }
 
-/// A scene that is based on another has its image, or one of its own.
+/// A scene based on another one inherits its image or has its own.
 #[test]
 fn images_are_inherited() {
     let text = |own: &str| {
@@ -137,7 +137,8 @@ fn images_are_inherited() {
     );
 }
 
-/// A random image, and how it shows places: the inverse of what the compiler does, by another way (complex numbers).
+/// A random image with the projection of places into it: the inverse of the compiler's map, by another method (complex
+/// numbers).
 struct Shown {
     text: String,
     at: [f64; 2],
@@ -160,7 +161,7 @@ impl Shown {
         Shown { text, at, heading_deg, origin, scale, mirrored }
     }
 
-    /// The pixel at which a place of the scene is shown.
+    /// The pixel that shows a place of the scene.
     fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let (re, im) = ((x - self.at[0]) / self.scale, (y - self.at[1]) / self.scale);
         let back = num(-self.heading_deg);
@@ -168,7 +169,7 @@ impl Shown {
         [self.origin[0] + along, self.origin[1] + if self.mirrored { up } else { -up }]
     }
 
-    /// The heading that it shows of one in the scene, in degrees.
+    /// The heading in the image of a heading in the scene, in degrees.
     fn heading_deg(&self, heading_deg: f64) -> f64 {
         let turned = heading_deg - self.heading_deg;
         if self.mirrored { -turned } else { turned }

@@ -1,6 +1,7 @@
-//! Robots in one scene's frame, from outside: programs as text, and an oracle with its own motion of the tips.
+//! Robots in a common scene frame, tested from outside: programs as text, and an oracle with its own kinematics of the
+//! tips.
 
-// The oracle keeps to the platform's own mathematics.
+// The oracle uses the platform's own mathematics.
 #![allow(clippy::disallowed_methods)]
 
 #[path = "../support/mod.rs"]
@@ -19,7 +20,7 @@ use tweeze::claims::{Claims, Order};
 use tweeze::schedule::{Reached, Schedule};
 use tweeze::verify::{Rule, violations};
 
-/// Two tips that come nearer than this to touching are not asked about: the oracle rounds in its own way.
+/// Cases in which two tips are nearer than this to touching are skipped, because the oracle rounds differently.
 const HAIR_UM: f64 = 1e-6;
 
 const BOTS: &str = "use std.dimibot\n\
@@ -32,7 +33,7 @@ fn program(scene: &str, tasks: &str) -> Built {
     build(&format!("{BOTS}{scene}{tasks}program day {{ together {{ run fetch, run bring }} }}\n"))
 }
 
-/// Whether the tips touch at some instant, for the verifier; everything else has to be in order.
+/// Whether the verifier finds that the tips touch at some instant; there must be no other violation.
 fn refuses_touch(schedule: &Schedule, claims: &Claims) -> bool {
     let found = violations(schedule, claims).unwrap_or_else(|why| panic!("inconclusive: {why}"));
     assert!(found.iter().all(|violation| violation.rule == Rule::Encounter), "{found:#?}");
@@ -91,14 +92,14 @@ fn the_heading_of_a_frame_has_a_limit_of_its_own() {
         let left = "use std.dimibot\ndevice left : dimibot.femto_st { left: 5, right: 5 }\n";
         build(&format!("{left}{scene}task fetch on left in bench {{ move to (14, 14) }}\n"))
     };
-    // More radians than a frame may be micrometres away.
+    // An angle may be larger than the greatest coordinate of a frame in micrometres.
     assert_eq!(turned(20_000).codes, [""; 0]);
     let refused = turned(1_000_001);
     assert_eq!(refused.codes, ["E0560"]);
     assert_eq!(refused.titles, ["a frame with a heading of more than 360000000 deg"]);
 }
 
-/// A random program of two robots, goals in cells: `left` and `right` on their own frames, with a few steps each.
+/// A random program of two robots with goals in cells: `left` and `right` in their own frames, with a few steps each.
 fn random_program(random: &mut Random) -> String {
     let modules = |random: &mut Random| 2 + random.below(3);
     let mut text = String::from("use std.dimibot\n");
@@ -158,7 +159,7 @@ fn random_program(random: &mut Random) -> String {
     text
 }
 
-/// The claims with the second robot elsewhere.
+/// The claims with the second robot at another pose.
 fn moved(claims: &Claims, x_um: f64, y_um: f64, turn_rad: f64) -> Claims {
     let mut claims = claims.clone();
     let shift = |frame: &mut tweeze::geometry::shape::Pose| {
@@ -212,7 +213,7 @@ fn accepted_programs_never_touch_and_touching_ones_are_refused() {
     assert!(accepted > 10 && waited > 0 && broken > 10 && near > 10, "{accepted} {waited} {broken} {near}");
 }
 
-/// The same work told in the robot's own coordinates and in those of a scene in which it stands elsewhere.
+/// The same task in the robot's own coordinates, and in those of a scene in which the robot is placed elsewhere.
 fn told_twice(random: &mut Random) -> [String; 2] {
     let stand = [random.thousandths(-20.0, 20.0), random.thousandths(-20.0, 20.0)];
     let heading = random.below(360);
@@ -263,7 +264,7 @@ fn work_costs_the_same_wherever_the_robot_stands() {
             "{}",
             placed.1
         );
-        // Both stop as far from the goal, also where asked and reached are places of the scene.
+        // Both stop at the same distance from the goal, even if the goal and the reached place are given in the scene.
         let [off, off_there] = [own, there].map(|schedule| match &schedule.steps[0].reached[..] {
             [Reached::Place { asked_um, reached_um, off_um }] => {
                 assert!(((reached_um[0] - asked_um[0]).hypot(reached_um[1] - asked_um[1]) - off_um).abs() < 1e-9);

@@ -1,4 +1,5 @@
-//! Positions of tips, by independent kinematics: at every instant, everything that a robot may touch, and the distance of two robots.
+//! Tip positions by independent kinematics: the area that a robot may touch at each instant, and the distance between
+//! two robots.
 
 use std::collections::BTreeMap;
 use tweeze::claims::Claims;
@@ -6,7 +7,7 @@ use tweeze::claims::dimibot::DimibotOrder;
 use tweeze::device::dimibot::DimibotFacts;
 use tweeze::schedule::Schedule;
 
-/// A rectangle along the axes of a robot, and where that robot stands.
+/// A rectangle along the axes of a robot, with the pose of that robot.
 #[derive(Debug, Clone, Copy)]
 struct Area {
     low: [f64; 2],
@@ -14,14 +15,14 @@ struct Area {
     stand: [f64; 3],
 }
 
-/// Where a tip may be from an instant to another, both included.
+/// Where a tip may be between two instants, both included.
 #[derive(Debug, Clone, Copy)]
 struct Stay {
     times: [u64; 2],
     area: Area,
 }
 
-/// Steps of the search for the nearest points of two areas.
+/// Iterations of the search for the nearest points of two areas.
 const STEPS: usize = 4000;
 
 impl Area {
@@ -30,7 +31,7 @@ impl Area {
         [x0 + x * heading.cos() - y * heading.sin(), y0 + x * heading.sin() + y * heading.cos()]
     }
 
-    /// The point of the area nearest to a point of the scene, in the scene.
+    /// The point of the area nearest to a point; both in scene coordinates.
     fn nearest(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [x0, y0, heading] = self.stand;
         let (dx, dy) = (x - x0, y - y0);
@@ -38,7 +39,7 @@ impl Area {
         self.in_scene([0, 1].map(|axis| own[axis].clamp(self.low[axis], self.high[axis])))
     }
 
-    /// The distance of two areas, by going from the one to the other's nearest point and back: this converges for convex sets.
+    /// Distance of two areas by alternating projection onto them, which converges for convex sets.
     fn gap_um(&self, other: &Area) -> f64 {
         let mut at = self.in_scene([0, 1].map(|axis| (self.low[axis] + self.high[axis]) / 2.0));
         let mut gap_um = f64::INFINITY;
@@ -55,7 +56,7 @@ impl Area {
     }
 }
 
-/// The pitch of a side: equation 2 and 6 of the paper.
+/// Pitch of a side: equations 2 and 6 of the paper.
 fn pitch_um(facts: &DimibotFacts, modules: u32) -> f64 {
     facts.gain * facts.stroke_um * 2f64.sqrt() / f64::from(1u32 << (modules - 1))
 }
@@ -106,11 +107,11 @@ fn stays(schedule: &Schedule, claims: &Claims, device: &str) -> (Vec<Stay>, f64)
     (stays, facts.tip_radius_um + facts.repeatability_um)
 }
 
-/// The least gap between the rims of two robots' grown tips over all instants; below zero they overlap.
+/// The least gap between the rims of two robots' grown tips over all instants; negative if they overlap.
 pub fn least_gap_um(schedule: &Schedule, claims: &Claims, [one, other]: [&str; 2]) -> f64 {
     let ((first, one_um), (second, other_um)) = (stays(schedule, claims, one), stays(schedule, claims, other));
     let mut least_um = f64::INFINITY;
-    // Two stays with a common instant have one at which one of them begins.
+    // Two stays that overlap in time do so at an instant at which one of them begins.
     let instants = first.iter().chain(&second).map(|stay| stay.times[0]);
     for t_ns in instants {
         let now = |stays: &[Stay]| -> Vec<Area> {

@@ -1,4 +1,4 @@
-//! Random programs from the vocabulary of the kinds: most are sound, occasionally with a number of another magnitude.
+//! Random programs from the vocabulary of the kinds; most are valid, and some have a number of another magnitude.
 
 use super::numbers::{self, MAGNITUDES};
 use super::random::Random;
@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use tweeze::device::shape::ShapeForm;
 use tweeze::device::{Kind, Need, Sort, Vocabulary, VocabularyField};
 
-/// A program of one kind, or of two on one clock, with the published devices written out.
+/// A program with one kind, or with two on one clock; published devices are written out.
 pub fn program(random: &mut Random) -> String {
     let kind = Kind::ALL[random.below(Kind::ALL.len() as u32) as usize];
     let mut text = seeds::with_library(&format!("// with {}\n", kind.name()));
@@ -34,7 +34,7 @@ fn body(kind: Kind, random: &mut Random) -> String {
     }
 }
 
-/// A whole number from one to another, both included.
+/// A random integer in a range, both ends included.
 fn whole(random: &mut Random, from: u32, to: u32) -> u32 {
     from + random.below(to - from + 1)
 }
@@ -66,7 +66,7 @@ fn head(words: &Vocabulary, budget: u32, random: &mut Random) -> String {
     text
 }
 
-/// A value for a setting.
+/// A random value for a setting.
 fn value(field: &VocabularyField, random: &mut Random) -> String {
     let quantity = |dimension, size| tweeze::quantity::Quantity::new(size, dimension).to_string();
     match field.sort {
@@ -104,7 +104,7 @@ fn value(field: &VocabularyField, random: &mut Random) -> String {
     }
 }
 
-/// A shape of a plane, about so large, in micrometres.
+/// A random planar shape of about `size_um` micrometres.
 fn flat(form: ShapeForm, size_um: f64, random: &mut Random) -> String {
     let mut length = |share: f64| format!("{:.3} um", size_um * share * (0.2 + random.unit()));
     match form {
@@ -201,7 +201,7 @@ fn electrode_array(random: &mut Random) -> String {
     text
 }
 
-/// Operations of an assay: of parts that are mostly there, and cells that are mostly apart.
+/// Random operations of an assay: most parts exist, and most cells are apart.
 fn operations(parts: u32, cell: &impl Fn(&mut Random) -> String, random: &mut Random) -> Vec<String> {
     let count = whole(random, 1, 6);
     let operation = |_| {
@@ -231,7 +231,7 @@ fn operations(parts: u32, cell: &impl Fn(&mut Random) -> String, random: &mut Ra
     (0..count).map(operation).collect()
 }
 
-/// Channels with gaps, and electrodes that do not work: of boards of droplets, mostly.
+/// An electrode map with gaps and defective electrodes, mostly for boards of droplets.
 fn electrode_map(columns: u32, rows: u32, random: &mut Random) -> String {
     let mut number = 0;
     let mut cell = |random: &mut Random| match random.below(12) {
@@ -295,7 +295,7 @@ fn microrobots(random: &mut Random) -> String {
     text
 }
 
-/// A solid or a flat part, some tens of micrometres wide.
+/// A random solid or flat part, some tens of micrometres wide.
 fn solid(random: &mut Random) -> String {
     let mut um = |from: f64, to: f64| format!("{:.2} um", from + random.unit() * (to - from));
     let (a, b, c) = (um(8.0, 20.0), um(8.0, 20.0), um(8.0, 20.0));

@@ -1,4 +1,4 @@
-//! One text or log through the compiler, and the forbidden outcomes.
+//! Runs one text or log through the compiler and detects the forbidden outcomes.
 
 use tweeze::check::Options;
 use tweeze::check::imports::{FileFault, Library};
@@ -10,7 +10,7 @@ use tweeze::schedule::SourceRef;
 use tweeze::source::{FileId, Origin, Sources, beside};
 use tweeze::verify::{self, Verdict, Verified};
 
-/// The name of every program of the attack.
+/// The name of every program.
 const NAME: &str = "fuzz.twz";
 
 const LOOK: render::Look =
@@ -27,18 +27,18 @@ impl Library for Carried<'_> {
     }
 }
 
-/// What came of a build.
+/// Outcome of a build.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Built {
-    /// The program has errors; the first one's code.
+    /// The program has errors; the code of the first one.
     Errors(&'static str),
     /// It was written and its logs verified.
     Verified,
-    /// What must not be.
+    /// A forbidden outcome.
     Fault(String),
 }
 
-/// Through the parser.
+/// Parses a text.
 pub fn parse(text: &str) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let file = sources.add(NAME, text);
@@ -49,7 +49,7 @@ pub fn parse(text: &str) {
     }
 }
 
-/// Through the formatter: the canonical text is its own, and has as many errors.
+/// Formats a text: the canonical text must be its own canonical form and have as many errors.
 fn format(text: &str, errors: usize) {
     let mut sink = Sink::default();
     let once = tweeze::format::format(FileId(0), text, &mut Sink::default());
@@ -65,7 +65,7 @@ fn draw(sink: &Sink, sources: &Sources) {
     }
 }
 
-/// A board by its map, the file's name and its text, through the checker.
+/// Checks a board with a map, given by file name and text.
 pub fn check_map(name: &str, map: &str) -> Result<bool, String> {
     let program = format!(
         "use std.electrode_array as ea\ndevice chip : ea.droplet_chip {{ map: \"{name}\" }}\n\
@@ -74,7 +74,7 @@ pub fn check_map(name: &str, map: &str) -> Result<bool, String> {
     check(&program, &[(name.to_owned(), map.to_owned())])
 }
 
-/// Through the checker, with other files beside it: a program comes back exactly if no error was reported.
+/// Checks a text with other files beside it: a program is returned if and only if no error was reported.
 pub fn check(text: &str, files: &[(String, String)]) -> Result<bool, String> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
@@ -92,7 +92,7 @@ pub fn check(text: &str, files: &[(String, String)]) -> Result<bool, String> {
     }
 }
 
-/// Tells the number of each task that is begun.
+/// Reports the number of each task when its planning begins.
 struct CountedTasks<'a> {
     begun: u64,
     next: &'a mut dyn FnMut(u64),
@@ -105,7 +105,7 @@ impl CompileObserver for CountedTasks<'_> {
     }
 }
 
-/// Through everything; `next` is called before each task is planned, with its number from 1 on.
+/// Runs a text through all stages; `next` is called before each task is planned, with its number from 1.
 pub fn build(text: &str, next: &mut dyn FnMut(u64)) -> Built {
     let mut tasks = CountedTasks { begun: 0, next };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
@@ -137,7 +137,7 @@ pub fn build(text: &str, next: &mut dyn FnMut(u64)) -> Built {
     }
 }
 
-/// The page of a program with errors.
+/// Draws the page of a program with errors.
 fn shown(program: &ProgramSource, sources: &Sources, errors: &Sink) -> Result<(), String> {
     let part = compile::partial(program, errors);
     let failed = FailedProgram {
@@ -149,12 +149,12 @@ fn shown(program: &ProgramSource, sources: &Sources, errors: &Sink) -> Result<()
     match emit::failed_page("fuzz", &failed, &provenance(sources)) {
         Err(EmitError::Failed { detail, .. }) => Err(format!("no page: {detail}")),
         Err(EmitError::NotFinite) => Err("a number that is not finite in a part that was verified".to_owned()),
-        // Only what is too large has none.
+        // Only a program that is too large has no page.
         Ok(_) | Err(_) => Ok(()),
     }
 }
 
-/// Writes a schedule in every format, and verifies its log.
+/// Writes a schedule in every format and verifies its log.
 fn written(verified: &Verified, sources: &Sources) -> Result<(), String> {
     let provenance = provenance(sources);
     for format in Format::ALL {
@@ -168,21 +168,21 @@ fn written(verified: &Verified, sources: &Sources) -> Result<(), String> {
                 return Err(format!("not written: {}: {detail}", format.name()));
             }
             Err(EmitError::NotFinite) => return Err("a number that is not finite in a verified schedule".to_owned()),
-            // Each format says what it cannot hold.
+            // Each format reports what it cannot represent.
             Err(_) => {}
         }
     }
     Ok(())
 }
 
-/// What a log of a build carries.
+/// The files and settings that a log of a build contains.
 fn provenance(sources: &Sources) -> Provenance {
     let own = sources.files().filter(|(_, file)| file.origin == Origin::User);
     let files = own.map(|(_, file)| (file.name.clone(), file.text.to_string())).collect();
     Provenance { files, settings: Vec::new(), is_recorded: false }
 }
 
-/// The log of the first schedule of a text that builds.
+/// The log of the first schedule of a text; `None` if it does not build.
 pub fn log_of(text: &str) -> Option<Vec<u8>> {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let options = Options::default();
@@ -193,7 +193,7 @@ pub fn log_of(text: &str) -> Option<Vec<u8>> {
     Some(files.into_iter().next()?.bytes)
 }
 
-/// A log through the verifier, from its bytes alone.
+/// Verifies a log from its bytes alone.
 pub fn verify(bytes: &[u8]) -> Result<(), String> {
     let log = log::read(bytes).map_err(|error| error.diagnostic().title)?;
     let (name, text) = &log.files[0];

@@ -1,4 +1,4 @@
-//! Logs of small programs, altered, with every checksum corrected.
+//! Altered logs of small programs, with every checksum corrected.
 
 use super::mutate;
 use super::numbers::{self, MAGNITUDES};
@@ -9,14 +9,14 @@ use std::io::Cursor;
 /// The parts of a log.
 #[derive(Clone)]
 pub struct Parts {
-    /// Topic, message type with its descriptor, metadata, and the messages with their instants.
+    /// Messages with their topic, type, descriptor, metadata and time.
     messages: Vec<mcap::Message<'static>>,
     attachments: Vec<(String, String, Vec<u8>)>,
     metadata: Vec<mcap::records::Metadata>,
 }
 
 impl Parts {
-    /// Takes a log apart. The few logs that are altered stay for as long as the worker does.
+    /// Unpacks a log. It is leaked, because the few logs that are altered live as long as the worker.
     pub fn of(log: Vec<u8>) -> Option<Parts> {
         let log: &'static [u8] = Box::leak(log.into_boxed_slice());
         let stream = mcap::MessageStream::new(log).ok()?;
@@ -34,7 +34,7 @@ impl Parts {
         Some(Parts { messages, attachments, metadata })
     }
 
-    /// Puts a log together; every checksum is right.
+    /// Packs a log; every checksum is correct.
     pub fn pack(&self, compress: bool) -> Option<Vec<u8>> {
         let compression = compress.then_some(mcap::Compression::Zstd);
         let options = mcap::WriteOptions::new().compression(compression).compression_threads(0);
@@ -56,7 +56,7 @@ impl Parts {
     }
 }
 
-/// A log with something altered.
+/// A log with random changes.
 pub fn altered(random: &mut Random, good: &Parts, texts: &[String]) -> Vec<u8> {
     let mut parts = good.clone();
     for _ in 0..=random.below(2) {
@@ -68,7 +68,7 @@ pub fn altered(random: &mut Random, good: &Parts, texts: &[String]) -> Vec<u8> {
     }
     let mut bytes = parts.pack(random.below(2) == 0).unwrap_or_default();
     if random.below(8) == 0 && !bytes.is_empty() {
-        // Without the checksums put right, to reach the reader's own checks.
+        // Without correcting the checksums, to reach the reader's own checks.
         let at = random.below(bytes.len() as u32) as usize;
         bytes[at] ^= 1 << random.below(8);
     }
@@ -92,7 +92,7 @@ fn message(random: &mut Random, parts: &mut Parts) {
     }
 }
 
-/// A few bytes replaced.
+/// Replaces a few bytes.
 fn splice(random: &mut Random, data: &mut Vec<u8>) {
     let at = random.below(data.len() as u32 + 1) as usize;
     let end = (at + random.below(9) as usize).min(data.len());

@@ -1,12 +1,14 @@
-//! Attacks the compiler with random programs, altered maps of boards and altered logs, each case under a watchdog.
+//! Attacks the compiler with random programs, altered board maps and altered logs, each case under a watchdog.
 //!
-//! Six attacks take turns: texts are parsed; texts are checked and the reports drawn, and so are boards by altered maps; programs are built, written in every format, and
-//! their logs read back and verified; every number of published devices is swept over magnitudes; logs are altered, their checksums
-//! corrected, and verified. Must never happen: a panic, a case of more than [`watch::CPU_LIMIT_S`] of processor time for each of its
-//! tasks, or of 1 GB of memory, a fresh plan that the verifier refuses, a log of Tweeze's own that does not verify.
+//! Six attacks take turns: texts are parsed; texts are checked and the reports drawn; boards with altered maps are
+//! checked; programs are built, written in every format, and their logs read back and verified; every number of
+//! published devices is swept over magnitudes; logs are altered, their checksums corrected, and verified. Faults are: a
+//! panic, a case that takes more than [`watch::CPU_LIMIT_S`] of processor time for each of its tasks or more than 1 GB
+//! of memory, a fresh plan that the verifier refuses, and a log of Tweeze's own that does not verify.
 //!
-//! `cargo test --test fuzz -- [--seed N] [--seconds N | --cases N] [--jobs N] [--only parse|check|map|build|sweep|verify]`; faults are
-//! written to `tmp/fuzz` of the target folder. `-- --show N` prints a case, `-- --file PATH` runs one program.
+//! Usage:
+//! `cargo test --test fuzz -- [--seed N] [--seconds N | --cases N] [--jobs N] [--only parse|check|map|build|sweep|verify]`.
+//! Faults are written to `tmp/fuzz` of the target folder. `-- --show N` prints a case, `-- --file PATH` runs one program.
 
 mod generate;
 mod judge;
@@ -22,35 +24,35 @@ mod worker;
 use std::process::ExitCode;
 use std::thread::available_parallelism;
 
-/// What a run is asked for.
+/// Arguments of a run.
 #[derive(Debug, Clone)]
 pub struct Run {
     pub seed: u64,
-    /// The first case: a long run can go on where another was stopped.
+    /// The first case, so that a long run can be continued where another one was stopped.
     pub from: u64,
-    /// The number of cases, unless the time ends it before.
+    /// Number of cases, unless the time is up first.
     pub cases: u64,
-    /// After so long no new case is begun.
+    /// Time after which no new case is begun, in seconds.
     pub seconds: Option<u64>,
-    /// Workers at the same time; one for each core unless it is said.
+    /// Number of parallel workers; one per core by default.
     pub jobs: u64,
     pub only: Option<Attack>,
 }
 
-/// What is done with a case.
+/// Attack that a case makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Attack {
-    /// A batch of texts through the parser.
+    /// Parses a batch of texts.
     Parse,
-    /// A batch of texts through the checker and its reports.
+    /// Checks a batch of texts and draws the reports.
     Check,
-    /// A batch of altered maps of boards through the checker of a program that names them.
+    /// Checks a program with each of a batch of altered board maps.
     Map,
-    /// A random program through everything.
+    /// Runs a random program through all stages.
     Build,
-    /// A program with one number at another magnitude through everything.
+    /// Runs a program with one number at another magnitude through all stages.
     Sweep,
-    /// A batch of altered logs through the verifier.
+    /// Verifies a batch of altered logs.
     Verify,
 }
 
@@ -69,7 +71,7 @@ impl Attack {
         }
     }
 
-    /// The attack of a case, by turns.
+    /// The attack of a case; attacks take turns.
     pub fn of(run: &Run, case: u64) -> Attack {
         run.only.unwrap_or(Attack::ALL[(case % Attack::ALL.len() as u64) as usize])
     }

@@ -1,8 +1,9 @@
-//! Texts made of other texts: tokens taken out, doubled, exchanged, replaced by tokens of others or by extreme ones.
+//! Texts mutated from other texts: tokens removed, doubled, swapped, or replaced by tokens of other texts or by extreme
+//! ones.
 
 use super::random::Random;
 
-/// What breaks parsers, checkers and arithmetic.
+/// Tokens that tend to break parsers, checkers and arithmetic.
 const EXTREMES: [&str; 44] = [
     "0", "-1", "1e308", "1e-308", "9007199254740993", "4294967296", "18446744073709551616", "0b1", "0b", "1..2", "(",
     ")", "[", "]", "{", "}", "\"", "\"{", "//", "///", "//!", "/*", "|", "->", "=", ":", ";", "^", "..", "\u{feff}",
@@ -10,7 +11,7 @@ const EXTREMES: [&str; 44] = [
     "quaternion(0, 0, 0, 0)", "-",
 ];
 
-/// A text whose tokens were altered up to eight times; never longer than 16 kB.
+/// A text with up to eight changes of its tokens; at most 16 kB long.
 pub fn mutated(random: &mut Random, texts: &[String]) -> String {
     let pick = |random: &mut Random| texts[random.below(texts.len() as u32) as usize].as_str();
     let own = pick(random);
@@ -47,7 +48,7 @@ pub fn mutated(random: &mut Random, texts: &[String]) -> String {
     text
 }
 
-/// Words, numbers, runs of blanks, and other characters one by one.
+/// Splits a text into words, numbers, runs of spaces, and other characters one by one.
 fn tokens(text: &str) -> Vec<&str> {
     let class = |c: char| match c {
         c if c.is_alphanumeric() || c == '_' => 0,

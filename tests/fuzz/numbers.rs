@@ -1,11 +1,11 @@
-//! The numbers of a text, and their replacement by other magnitudes.
+//! Numbers in a text, and their replacement by other magnitudes.
 
 use std::ops::Range;
 
-/// What a number is multiplied by.
+/// Factors that a number is multiplied by.
 pub const MAGNITUDES: [f64; 12] = [0.0, -1.0, 1e-18, 1e-9, 1e-6, 1e-3, 0.1, 10.0, 1e3, 1e6, 1e9, 1e18];
 
-/// Where the numbers of a text stand, without those of comments, strings and words as `0b101`.
+/// Ranges of the numbers in a text, except those in comments, strings and words such as `0b101`.
 pub fn places(text: &str) -> Vec<Range<usize>> {
     let bytes = text.as_bytes();
     let mut found = Vec::new();
@@ -27,7 +27,7 @@ pub fn places(text: &str) -> Vec<Range<usize>> {
     found
 }
 
-/// How long the number at the beginning is: digits, a point and digits, an exponent.
+/// Length of the number at the beginning: digits, a point and digits, an exponent.
 fn number(bytes: &[u8]) -> usize {
     let digits = |from: usize| bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
     let mut end = digits(0);

@@ -1,4 +1,4 @@
-//! The texts that attacks begin with.
+//! Texts that attacks start from.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The files of a folder and its folders with an ending, by path.
+/// The files with an extension in a folder and its subfolders, by path.
 fn files(folder: &str, ending: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut open = vec![root().join(folder)];
@@ -27,7 +27,7 @@ fn text(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }
 
-/// Everything in the language that the project holds: examples, the standard library, the tests' programs and those on the pages of
+/// Every program in the project: examples, the standard library, the tests' programs, and those on the pages of
 /// `tweeze explain`.
 pub fn all() -> Vec<String> {
     let folders = ["examples", "stdlib", "tests"];
@@ -42,13 +42,13 @@ pub fn all() -> Vec<String> {
     texts
 }
 
-/// Small programs of every kind, each with the whole of its kind's published devices in it, so that every field of the kind has its
-/// number there.
+/// Small programs of every kind, each with all published devices of its kind written out, so that a number of every
+/// field is in the text.
 pub fn complete() -> Vec<String> {
     files("tests/fuzz/programs", "twz").iter().map(|path| with_library(&text(path))).collect()
 }
 
-/// The maps of boards in the corpus with the ending of a file's name: those behind programs of it.
+/// The board maps in the corpus whose file names end with `name`; they follow programs of the corpus.
 pub fn maps(name: &str) -> Vec<String> {
     let programs: Vec<String> = files("tests/corpus", "twz").iter().map(|path| text(path)).collect();
     let parts = programs.iter().flat_map(|program| program.split("\n// file ").skip(1));
@@ -58,7 +58,7 @@ pub fn maps(name: &str) -> Vec<String> {
     of_ending.map(|(_, map)| map.to_owned()).collect()
 }
 
-/// A program after the file of the standard library that its first line names: `// with dimibot`.
+/// A program appended to the library file that its first line names: `// with dimibot`.
 pub fn with_library(text: &str) -> String {
     let first = text.lines().next().unwrap_or_default();
     let library = first.strip_prefix("// with ").unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Gives cases to workers and watches them: a worker that dies, or takes too long or too much memory, has found a fault.
+//! Hands cases to workers and watches them: a worker that dies, or takes too much time or memory, has found a fault.
 
 use super::worker::{self, Tally};
 use super::{Attack, Run};
@@ -12,18 +12,18 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
-/// The most processor time of a case, in seconds for each of its tasks. Hands of fine steps take longest, with tables for two
-/// revolutions.
+/// Greatest processor time of a case, in seconds for each of its tasks. Hands with fine steps take longest, with tables
+/// for two revolutions.
 pub const CPU_LIMIT_S: u64 = 25;
 
-/// The most seconds by the wall, for a worker that waits for ever, and for systems that do not say what a process has used. Many, for a
-/// worker may have to wait for the processor.
+/// Greatest wall-clock time in seconds, for a worker that hangs and for systems that do not report processor time. It
+/// is generous, because a worker may have to wait for the processor.
 const WALL_LIMIT_S: u64 = 60 * CPU_LIMIT_S;
 
-/// The most memory of a worker, in kilobytes of addresses: 1 GB, and what its code, its stack and its stock take.
+/// Greatest address space of a worker, in kilobytes: 1 GB plus its code, stack and stock of inputs.
 const MEMORY_LIMIT_KB: u64 = 1_250_000;
 
-/// How often a worker is looked at.
+/// Polling interval.
 const LOOK: Duration = Duration::from_millis(200);
 
 /// A worker with its pipes.
@@ -49,7 +49,7 @@ impl Worker {
         if let Some(attack) = run.only {
             command.args(["--only", attack.name()]);
         }
-        // One arena: each takes addresses that count as memory.
+        // A single malloc arena, because the address space of each arena counts as memory.
         command.env("MALLOC_ARENA_MAX", "1").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut child = command.spawn().expect("a worker starts");
         let input = child.stdin.take().expect("it has an input");
@@ -63,12 +63,12 @@ impl Worker {
             }
         });
         let worker = Worker { child, input, answers };
-        // It makes its stock first, which is no case.
+        // Preparing its inputs is not part of a case.
         let _ = worker.answers.recv_timeout(Duration::from_secs(600));
         worker
     }
 
-    /// What a worker says of a case, or what became of it.
+    /// Runs a case; the error is what became of the worker.
     fn ask(&mut self, case: u64) -> Result<String, String> {
         let before_s = self.used_s();
         if writeln!(self.input, "{case}").is_err() {
@@ -98,7 +98,7 @@ impl Worker {
         Err(format!("no answer in {} s", WALL_LIMIT_S * tasks))
     }
 
-    /// The processor time that a worker has used, where the system says it.
+    /// Processor time that a worker has used, if the system reports it.
     fn used_s(&self) -> Option<f64> {
         let text = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id())).ok()?;
         let (_, after_name) = text.rsplit_once(')')?;
@@ -113,12 +113,12 @@ impl Worker {
     }
 }
 
-/// What all workers have found together.
+/// Results of all workers.
 #[derive(Default)]
 struct Found {
     tally: Tally,
     cases: u64,
-    /// How often, and the first case, by the fault without its numbers.
+    /// For each fault, without its numbers: how often it occurred, the first case, and the message.
     faults: BTreeMap<String, (u64, u64, String)>,
 }
 
@@ -138,7 +138,7 @@ fn without_numbers(fault: &str) -> String {
     short.chars().take(90).collect()
 }
 
-/// One job: every so manieth case, until the cases or the time are over.
+/// One job: every n-th case, until the cases or the time are used up.
 fn job(run: &Run, first: u64, is_over: &AtomicBool, found: &Mutex<Found>) {
     let mut worker = Worker::start(run);
     let (mut case, end) = (run.from.saturating_add(first), run.from.saturating_add(run.cases));

@@ -1,8 +1,8 @@
-//! Runs cases in a process of its own, which may die or hang.
+//! Runs cases in a separate process, which may die or hang.
 //!
-//! Each line of the standard input is the number of a case; each line of the output is its result: `fine`, with the numbers of texts
-//! parsed, checked, built, verified and refused; or `fault`, and which. A line before it says which task of a program
-//! is planned.
+//! Each line of standard input is the number of a case; each line of the output is its result: `fine`, with the numbers
+//! of texts parsed, checked, built, verified and refused, or `fault` with a description. A line before it says which
+//! task of a program is being planned.
 
 use super::generate;
 use super::judge::{self, Built};
@@ -16,15 +16,15 @@ use std::io::{BufRead, Write};
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::{Mutex, OnceLock};
 
-/// Texts and maps that one case parses, checks or alters, so that a case is worth its message.
+/// Number of texts and maps that one case parses, checks or alters, so that a case is worth its message.
 const PARSED_AT_ONCE: u64 = 200;
 const CHECKED_AT_ONCE: u64 = 20;
 const ALTERED_AT_ONCE: u64 = 20;
 
-/// The stack that the compiler's own command line gives it, in bytes.
+/// Stack size of the compiler's own command line, in bytes.
 const STACK_BYTES: usize = 64 * 1024 * 1024;
 
-/// What was counted.
+/// Counts of outcomes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Tally {
     pub parsed: u64,
@@ -32,7 +32,7 @@ pub struct Tally {
     pub built: u64,
     pub verified: u64,
     pub altered: u64,
-    /// Of the altered logs, those that verify all the same.
+    /// Number of altered logs that still verify.
     pub accepted: u64,
 }
 
@@ -53,12 +53,12 @@ impl Tally {
         ]
     }
 
-    /// As one line.
+    /// The counts as one line.
     fn line(mut self) -> String {
         self.numbers().map(|number| number.to_string()).join(" ")
     }
 
-    /// Of such a line.
+    /// Parses such a line.
     pub fn read(line: &str) -> Tally {
         let mut tally = Tally::default();
         for (number, word) in tally.numbers().into_iter().zip(line.split(' ')) {
@@ -68,13 +68,13 @@ impl Tally {
     }
 }
 
-/// What cases are made of, made once.
+/// Inputs that cases are made of, prepared once.
 struct Stock {
     texts: Vec<String>,
     complete: Vec<String>,
-    /// A name for each format of maps, and maps in it.
+    /// For each map format, a file name and the maps in that format.
     maps: Vec<(&'static str, Vec<String>)>,
-    /// Program, place of a number, magnitude: every case of the sweep.
+    /// Every case of the sweep: program, range of a number, factor.
     sweep: Vec<(usize, std::ops::Range<usize>, f64)>,
 }
 
@@ -93,13 +93,13 @@ fn stock() -> &'static Stock {
     })
 }
 
-/// The logs of the complete programs, taken apart.
+/// The logs of the complete programs, unpacked.
 fn good_logs() -> &'static [Parts] {
     static LOGS: OnceLock<Vec<Parts>> = OnceLock::new();
     LOGS.get_or_init(|| stock().complete.iter().filter_map(|text| Parts::of(judge::log_of(text)?)).collect())
 }
 
-/// How many cases there are in the sweep.
+/// Number of cases in the sweep.
 pub fn sweep_cases() -> usize {
     stock().sweep.len()
 }
@@ -111,13 +111,13 @@ fn random(run: &Run, case: u64) -> Random {
     random
 }
 
-/// The one text of a case that builds a program.
+/// The text of a case that builds a single program.
 fn program(run: &Run, case: u64) -> String {
     let mut random = random(run, case);
     let stock = stock();
     match Attack::of(run, case) {
         Attack::Sweep => {
-            // A prime step, so that a short run meets every program.
+            // A prime step, so that even a short run covers every program.
             let turn = if run.only.is_some() { case } else { case / Attack::ALL.len() as u64 };
             let at = (turn.wrapping_add(run.seed - 1).wrapping_mul(7919) % stock.sweep.len() as u64) as usize;
             let (program, place, factor) = &stock.sweep[at];
@@ -137,7 +137,7 @@ fn texts(run: &Run, case: u64, count: u64) -> impl Iterator<Item = String> {
     })
 }
 
-/// The maps of a case, each with a name for its file.
+/// The maps of a case, each with a file name.
 fn maps(run: &Run, case: u64) -> impl Iterator<Item = (&'static str, String)> {
     let mut random = random(run, case);
     (0..CHECKED_AT_ONCE).map(move |_| {
@@ -146,7 +146,7 @@ fn maps(run: &Run, case: u64) -> impl Iterator<Item = (&'static str, String)> {
     })
 }
 
-/// What a case is made of, for people.
+/// The input of a case in readable form.
 pub fn shown(run: &Run, case: u64) -> String {
     let many = |count| texts(run, case, count).collect::<Vec<_>>().join("\n// ---- next ----\n");
     match Attack::of(run, case) {
@@ -158,10 +158,10 @@ pub fn shown(run: &Run, case: u64) -> String {
     }
 }
 
-/// How the line begins that says which task of the case at work is planned: each has a budget of its own.
+/// Prefix of the line that says which task of the current case is being planned; each task has its own time budget.
 pub const TASK: &str = "task ";
 
-/// The text that is at work, for the fault's file.
+/// The text being processed, for the fault's file.
 static CURRENT: Mutex<String> = Mutex::new(String::new());
 
 fn current(text: &str) {
@@ -219,12 +219,12 @@ fn carry_out(run: &Run, case: u64) -> Result<Tally, String> {
     Ok(tally)
 }
 
-/// Answers the numbers of cases until there are no more.
+/// Processes case numbers until the input ends.
 pub fn serve(run: &Run) {
     let run = run.clone();
     let work = move || {
         panic::set_hook(Box::new(|_| ()));
-        // Made before the first case, so that no case is blamed for it.
+        // Prepared before the first case, so that no case is charged for it.
         let _ = (stock(), good_logs());
         println!("ready");
         for line in std::io::stdin().lock().lines().map_while(Result::ok) {

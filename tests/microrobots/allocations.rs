@@ -1,4 +1,5 @@
-//! The controller allocates before the first measurement and never again: what an answer takes does not depend on the allocator.
+//! The controller allocates before the first measurement and never again, so that its response time does not depend on
+//! the allocator.
 
 use super::recorded::{Bench, DRIVEN, TRIO};
 use allocation_counter::measure;
@@ -6,12 +7,12 @@ use tweeze::geometry::Pose;
 use tweeze::plan::microrobots::control::{Command, ControlPhase, Controller, Pilot};
 use tweeze::plan::microrobots::simulation::{Disturbances, SimulatedBed};
 
-/// A controller whose allocations are counted.
+/// Counts the allocations of a controller.
 struct CountedPilot<'a> {
     controller: Controller<'a>,
     answers: u64,
     allocations: u64,
-    /// Phases in which it answered.
+    /// Control phases in which it answered.
     phases: Vec<ControlPhase>,
 }
 

@@ -1,6 +1,8 @@
-//! Bounds on the time, the control cycles and the strokes of drives against all sequences of control states on small beds, and against shortcuts of real plans.
+//! Bounds on the time, the control cycles and the strokes of drives, compared with all sequences of control states on
+//! small beds and with shortcuts of real plans.
 //!
-//! The model of motion is independent: it shares nothing with the planner or the verifier. `TWEEZE_ORACLE_CASES=1000` runs more cases.
+//! The motion model is independent: it shares nothing with the planner or the verifier. `TWEEZE_ORACLE_CASES=1000` runs
+//! more cases.
 
 use super::random::{Random, cases};
 use super::support::{Folder, build};
@@ -19,7 +21,7 @@ use tweeze::source::Sources;
 /// A pose: x and y in micrometres, heading in radians.
 type Place = [f64; 3];
 
-/// Clockwise on a circle with the arm down, straight on with the arm up.
+/// Moves a pose: clockwise on a circle with the arm down, straight ahead with the arm up.
 fn gone(place: Place, radius_um: f64, way_um: f64, is_down: bool) -> Place {
     let [x, y, heading] = place;
     if !is_down {
@@ -35,7 +37,7 @@ fn is_within(place: Place, goal: Place, [place_um, heading_rad]: [f64; 2]) -> bo
     (place[0] - goal[0]).hypot(place[1] - goal[1]) <= place_um && turned.min(TAU - turned) <= heading_rad
 }
 
-/// Robots whose strokes are so long that all sequences of them can be tried. State j lowers the arms of the first j.
+/// Robots whose strokes are so long that all sequences can be tried. State j lowers the arms of the first j robots.
 struct Small {
     radii_um: Vec<f64>,
     stroke_um: Vec<f64>,
@@ -46,10 +48,11 @@ struct Small {
 const PERIOD_S: f64 = 0.1;
 const DWELL_S: f64 = 0.02;
 
-/// Counts for what is not looked for, so that a search ends all the same; all of it together is less than one of what is.
+/// Weight of a figure that is not minimised, so that the search terminates; all of it together is less than one unit of
+/// the minimised figure.
 const NEARLY_NOTHING: f64 = 1e-6;
 
-/// What is least.
+/// The figure that is minimised.
 #[derive(Clone, Copy)]
 enum Figure {
     Time,
@@ -58,7 +61,7 @@ enum Figure {
 }
 
 impl Figure {
-    /// What a stroke counts.
+    /// Weight of a stroke.
     fn stroke(self) -> f64 {
         match self {
             Figure::Time => PERIOD_S,
@@ -74,7 +77,7 @@ enum Task {
         state: usize,
         strokes: usize,
     },
-    /// A robot, and its stop; `true` if the same step goes on to a next one.
+    /// A robot and its stop; `true` if the same step continues to a further stop.
     Stop(usize, Place, bool),
 }
 
@@ -97,7 +100,7 @@ impl Small {
         places.iter().enumerate().map(go).collect()
     }
 
-    /// What a control cycle counts: one level where all arms are up or down, otherwise two.
+    /// Weight of a control cycle: one level if all arms are up or all are down, otherwise two.
     fn cycle(&self, state: usize, figure: Figure) -> f64 {
         match figure {
             Figure::Time if state == 0 || state == self.starts.len() => DWELL_S,
@@ -145,14 +148,14 @@ impl Small {
         text + "}\n"
     }
 
-    /// The least of all sequences of no more than so many strokes, applied ones not counted.
+    /// The least figure over all sequences of at most `strokes` strokes, not counting applied ones.
     fn least(&self, tasks: &[Task], strokes: usize, figure: Figure) -> f64 {
         let mut search = SequenceSearch { small: self, figure, best: f64::INFINITY };
         search.go(tasks, &self.starts, None, strokes, 0.0);
         search.best
     }
 
-    /// Random strokes to what becomes the next stop, which is a little off.
+    /// A random next stop: the place after random strokes, slightly displaced.
     fn somewhere(&self, chance: &mut Random, places: &mut Vec<Place>, robot: usize, strokes: usize) -> Place {
         let mut state = chance.below(self.starts.len() as u32 + 1) as usize;
         for _ in 0..strokes {
@@ -167,7 +170,7 @@ impl Small {
     }
 }
 
-/// A search of all sequences of strokes for the least of a figure.
+/// Exhaustive search over sequences of strokes for the least figure.
 struct SequenceSearch<'s> {
     small: &'s Small,
     figure: Figure,
@@ -175,7 +178,7 @@ struct SequenceSearch<'s> {
 }
 
 impl SequenceSearch<'_> {
-    /// Goes on from places in a state, with so many strokes left and a sum so far.
+    /// Continues from poses in a state, with `left` strokes left and the figure so far.
     fn go(&mut self, tasks: &[Task], places: &[Place], state: Option<usize>, left: usize, sum: f64) {
         if sum >= self.best {
             return;
@@ -192,7 +195,7 @@ impl SequenceSearch<'_> {
             }
             Task::Stop(robot, goal, is_via) => {
                 if is_within(places[robot], goal, self.small.precision) {
-                    // A leg may go on through a stop of its step.
+                    // A leg may continue through an intermediate stop of its step.
                     let state = state.filter(|_| is_via && matches!(self.figure, Figure::Switches));
                     self.go(later, places, state, left, sum);
                 }
@@ -206,7 +209,7 @@ impl SequenceSearch<'_> {
     }
 }
 
-/// The bounds that the planner has for the first task of a program.
+/// The planner's bounds for the first task of a program.
 fn proven(text: &str) -> LeastFigures {
     let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
     let request = ProgramSource { name: "test.twz", text, library: &Folder(Path::new(".")), options: &options };
@@ -216,7 +219,7 @@ fn proven(text: &str) -> LeastFigures {
     bound::least(order, &Crew { poses, docked: vec![false; order.robots.len()] })
 }
 
-/// Builds and compares; whether there was a plan.
+/// Builds and compares; returns whether there was a plan.
 fn holds(small: &Small, tasks: &[Task], strokes: usize) -> bool {
     let text = small.text(tasks);
     let built = build(&text);
@@ -269,7 +272,8 @@ fn no_sequence_of_states_beats_the_bound_of_stops_and_steps() {
     });
 }
 
-/// More stops than the bound relates to one another, and more than the planner's alternatives: caps of the search enter no claim.
+/// More stops than the bound relates to one another and than the planner has alternatives: limits of the search do not
+/// affect any claim.
 #[test]
 fn no_sequence_of_states_beats_the_bound_of_many_stops() {
     compared(15, 30, |chance| {
@@ -304,7 +308,7 @@ fn no_sequence_of_states_beats_the_bound_of_two_robots() {
     });
 }
 
-/// The arms of one robot in a schedule: whether down, and for how many strokes.
+/// The strokes of one robot in a schedule: whether its arm is down, and the number of strokes.
 fn trains(schedule: &Schedule, row: usize) -> Vec<(bool, i64)> {
     let states = schedule.plans[0].states.iter().map(|timed| match &timed.state {
         State::Microrobots(MicrorobotsState { arms, .. }) => arms[row] == 1,
@@ -314,7 +318,7 @@ fn trains(schedule: &Schedule, row: usize) -> Vec<(bool, i64)> {
     states.zip(trains).collect()
 }
 
-/// Shortens trains by hill climbing as long as the end stays within the precision; the strokes that are left.
+/// Shortens trains by hill climbing while the end stays within the precision; returns the remaining number of strokes.
 fn shortened(chance: &mut Random, mut trains: Vec<(bool, i64)>, end: impl Fn(&[(bool, i64)]) -> bool) -> i64 {
     let sum = |trains: &[(bool, i64)]| trains.iter().map(|train| train.1).sum::<i64>();
     for round in 0..4000 {

@@ -12,7 +12,7 @@ const USAGE: i32 = 2;
 const FILES: i32 = 4;
 const STOPPED: i32 = 6;
 
-/// The example of four robots, planned for few control cycles, with a watchdog that a busy machine does not wake.
+/// The example with four robots, planned for few control cycles, with a watchdog too long to expire on a busy machine.
 fn four(folder: &TempDir) -> PathBuf {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/microrobots_four.twz");
     let text = std::fs::read_to_string(example).expect("the example is there");
@@ -37,7 +37,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Poses of the four robots at their starts, measured at a time.
+/// Poses of the four robots at their starts, measured at a given time.
 fn measured(t_ns: u64) -> String {
     let pose =
         |x_um: f64, y_um: f64, heading_deg: f64| json!({ "x_um": x_um, "y_um": y_um, "heading_deg": heading_deg });
@@ -62,7 +62,7 @@ fn answers(out: &[u8]) -> Vec<Value> {
     text(out).lines().map(parsed).collect()
 }
 
-/// The same trials succeed whether the controller runs in this process or over a socket in another one.
+/// The same trials succeed whether the controller runs in this process or in another one over a socket.
 #[test]
 fn four_robots_are_assembled_over_a_socket() {
     let folder = folder();
@@ -89,7 +89,7 @@ fn every_line_has_an_answer_and_nonsense_stops_it() {
     let path = four(&folder);
     let path = path.to_string_lossy();
     let mut input = measured(1000);
-    // An empty line is passed over, but counts.
+    // An empty line is skipped, but counted.
     input.push_str("\nnonsense\n{\"t_ns\": 1}\n{\"t_ns\": 2, \"robots\": {\"D9\": null}}\n");
     input.push_str(
         "{\"t_ns\": 1.5, \"robots\": {}}\n[3, {}]\n{\"t_ns\": 4, \"robots\": {\"D1\": null, \"D1\": null}}\n",
@@ -124,7 +124,7 @@ fn times_of_a_program_of_floating_point_numbers_are_whole_too() {
     assert_eq!(answered(&whole), answered(&float));
 }
 
-/// The end of the input is the loss of measurements, and the same measurements are recorded in the same bytes.
+/// The end of the input counts as lost measurements, and equal measurements are recorded in equal bytes.
 #[test]
 fn a_recording_depends_on_the_measurements_alone() {
     let folder = folder();
@@ -143,7 +143,7 @@ fn a_recording_depends_on_the_measurements_alone() {
     assert!(one.starts_with(b"\x89MCAP0\r\n") && one == two);
 }
 
-/// A signal is no reason to leave the source at its last voltage: the last line is a stop, and the recording is whole.
+/// A signal must not leave the source at its last voltage: the last line is a stop, and the recording is complete.
 #[cfg(unix)]
 #[test]
 fn a_signal_stops_the_robots_first() {
@@ -153,7 +153,7 @@ fn a_signal_stops_the_robots_first() {
     let folder = folder();
     let path = four(&folder);
     let record = folder.path().join("run.mcap");
-    // Before the first measurement and behind it.
+    // Before the first measurement, and after it.
     let signals = [("INT", SIGINT, 0), ("TERM", SIGTERM, 1)];
     for (signal, _, measurements) in signals.into_iter().filter(|(_, number, _)| !is_ignored(*number)) {
         let mut control = Command::new(assert_cmd::cargo::cargo_bin!("tweeze"));
@@ -181,7 +181,7 @@ fn a_signal_stops_the_robots_first() {
     }
 }
 
-/// A trial is recorded, judged alone and against its program, and nothing can be changed in the file.
+/// A trial is recorded and judged, alone and against its program, and any change to the file is detected.
 #[test]
 fn a_recording_is_verified() {
     const VERIFICATION: i32 = 3;
@@ -234,7 +234,8 @@ fn only_this_machine_is_listened_at_and_one_task_controlled() {
     assert!(text(&run.get_output().stderr).contains("--task NAME"));
 }
 
-/// Of a task whose precision is finer than its drives can keep it says so before, with what `verify` must be granted.
+/// If the precision of a task is finer than its drives can keep, that is reported before the run, with the tolerances
+/// that `verify` needs.
 #[test]
 fn a_precision_that_no_drive_keeps_is_told_of() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/microrobots_drive.twz");
@@ -256,7 +257,8 @@ fn a_precision_that_no_drive_keeps_is_told_of() {
     assert!(!text(&run.get_output().stderr).contains("--goal-tolerance"), "{}", text(&run.get_output().stderr));
 }
 
-/// A camera whose picture stands still is not driven by for long, and the recording shows that the robots did not follow.
+/// A camera whose picture is frozen does not drive the robots for long, and the recording shows that they did not
+/// follow.
 #[test]
 fn a_picture_that_does_not_change_stops_it() {
     const VERIFICATION: i32 = 3;
@@ -275,7 +277,7 @@ fn a_picture_that_does_not_change_stops_it() {
     assert!(text(&verified.get_output().stderr).contains("from where the commands bring it"), "{verified}");
 }
 
-/// Measurements that have nothing to do with the scene are not acted upon.
+/// Measurements that do not fit the scene are not acted upon.
 #[test]
 fn a_bed_that_is_another_one_is_not_driven() {
     let folder = folder();
@@ -290,7 +292,7 @@ fn a_bed_that_is_another_one_is_not_driven() {
     assert_eq!(answers.last().map(|last| &last["reason"]), Some(&json!("doubtful")), "{answers:?}");
 }
 
-/// Robots that never move fail their trials for that reason; trials are other ones than those of `build`.
+/// Robots that never move fail their trials for that reason; the trials differ from those of `build`.
 #[test]
 fn robots_that_stand_still_fail_their_trials() {
     let folder = folder();
@@ -306,7 +308,7 @@ fn robots_that_stand_still_fail_their_trials() {
     }
 }
 
-/// A name that exists is a mistake of the user, not of the compiler.
+/// An existing file is the user's mistake, not the compiler's.
 #[test]
 fn a_trial_is_not_recorded_over_a_file() {
     let folder = folder();
@@ -324,7 +326,7 @@ fn a_trial_is_not_recorded_over_a_file() {
     assert_eq!(std::fs::read_to_string(&record).expect("the file"), "kept");
 }
 
-/// An address that cannot be listened at is reported before a plan is searched, here one that does not exist.
+/// An address that cannot be listened at is reported before a plan is searched for; this one does not exist.
 #[cfg(unix)]
 #[test]
 fn a_bad_address_is_reported_before_a_plan_is_searched() {

@@ -1,5 +1,5 @@
-//! Robots that follow their commands exactly, driven by `tweeze control` among stones and among each other: what ends with `finished` is accepted by
-//! `tweeze verify`, and no body ever lies in another one.
+//! Robots that follow their commands exactly, driven by `tweeze control` among obstacles and each other: a run that
+//! ends with `finished` is accepted by `tweeze verify`, and no two bodies ever overlap.
 
 use super::guaranteed::overlap;
 use super::random::Random;
@@ -12,14 +12,14 @@ use std::process::{Command, Stdio};
 const DONE: i32 = 0;
 const STOPPED: i32 = 6;
 
-/// Of the device in the programs here.
+/// Figures of the device in these programs.
 const SPEED_UM_PER_S: f64 = 200.0;
 const BODY_UM: [f64; 2] = [260.0, 60.0];
 
-/// Robots on their way are compared after each such stretch.
+/// Distance after which moving robots are compared.
 const LOOK_UM: f64 = 4.0;
 
-/// A robot without errors, which turns clockwise.
+/// A robot without errors that turns clockwise.
 #[derive(Clone)]
 struct ExactRobot {
     name: &'static str,
@@ -33,7 +33,7 @@ struct ExactRobot {
 }
 
 impl ExactRobot {
-    /// The robots of the programs here; each starts at the origin.
+    /// A robot of these programs; each starts at the origin.
     fn named(name: &'static str) -> Self {
         let (snap_down_v, release_v, radius_um) = match name {
             "D1" => (110.0, 20.0, 160.0),
@@ -110,7 +110,7 @@ impl ExactBed {
         }
     }
 
-    /// What a camera measures.
+    /// Measurement of a camera.
     fn measured(&self) -> Value {
         let of = |robot: &ExactRobot| {
             let heading_deg = robot.heading_rad.to_degrees();
@@ -120,7 +120,7 @@ impl ExactBed {
     }
 }
 
-/// Controls a program whose robots start so; the last answer, or `None` if it has no plan.
+/// Controls a program from these poses; returns the last answer, or `None` if there is no plan.
 fn controlled(program: &Path, record: &Path, robots: Vec<ExactRobot>) -> Option<Value> {
     let mut child = Command::new(assert_cmd::cargo::cargo_bin!("tweeze"))
         .arg("control")
@@ -155,7 +155,7 @@ fn controlled(program: &Path, record: &Path, robots: Vec<ExactRobot>) -> Option<
     }
 }
 
-/// A program that drives robots from where they start, among obstacles.
+/// A program that drives robots from their poses among obstacles.
 fn program_of(robots: &[ExactRobot], obstacles: &str, drives: &str) -> String {
     let rows: String = robots.iter().map(ExactRobot::row).collect();
     let starts: String = robots.iter().map(ExactRobot::start).collect();
@@ -174,15 +174,15 @@ fn accepts(program: &Path, record: &Path) {
     assert_eq!(run.status.code(), Some(DONE), "{said}\n{}", std::fs::read_to_string(program).unwrap_or_default());
 }
 
-/// How a controlled run ends.
+/// Result of a controlled run.
 enum Ended {
-    /// And `tweeze verify` accepts it.
+    /// Finished and accepted by `tweeze verify`.
     Finished,
-    /// Before what is named.
+    /// Stopped before the named thing.
     Blocked(String),
 }
 
-/// Writes a program into a folder, and controls it; `None` if it has no plan.
+/// Writes a program into a folder and controls it; `None` if there is no plan.
 fn ended(folder: &Path, text: &str, robots: Vec<ExactRobot>) -> Option<Ended> {
     let (program, record) = (folder.join("drive.twz"), folder.join("run.mcap"));
     std::fs::write(&program, text).expect("a program is written");
@@ -235,7 +235,7 @@ fn no_drive_goes_through_a_stone() {
         match ended(folder.path(), &text, robots) {
             None => {}
             Some(Ended::Finished) => finished += 1,
-            // A robot alone with stones at rest finds another way.
+            // A single robot among obstacles at rest finds another way.
             Some(Ended::Blocked(thing)) => panic!("it stopped before {thing}\n{text}"),
         }
     }
@@ -278,5 +278,5 @@ fn no_drive_goes_through_another_robot() {
     assert!(2 * finished > CASES && blocked >= 1, "{finished} finished, {blocked} stopped before another robot");
 }
 
-/// Random programs.
+/// Number of random programs.
 const CASES: u32 = 40;

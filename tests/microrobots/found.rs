@@ -1,4 +1,5 @@
-//! Programs of beds that once hung, were refused by the verifier, or got a false answer. The first line of each gives the right one.
+//! Programs for beds that once hung, were refused by the verifier, or got a wrong answer. The first line of each gives
+//! the right one.
 
 use super::support::{Built, build, found, found_path};
 use std::path::Path;
@@ -8,7 +9,7 @@ fn built(name: &str) -> Built {
     build(&found(name))
 }
 
-/// What the tool says to standard output of a command on a program.
+/// Standard output of a command on a program.
 fn output_of(command: &[&str], name: &str) -> String {
     let mut tool = Command::new(env!("CARGO_BIN_EXE_tweeze"));
     tool.args(command).arg(found_path(name)).current_dir(env!("CARGO_TARGET_TMPDIR"));
@@ -38,8 +39,8 @@ fn extreme_programs_build_or_are_refused_at_the_door() {
     assert!(tight == NONE || tight == ["E0602"], "{tight:?}");
 }
 
-/// Of all three it was said once that they are guaranteed, and no trial of any succeeded: of one a robot would turn flat on its edge, and in
-/// one D1 passes the end of D2 at 20 um, which is not the edge with which it docks.
+/// All three were once reported as guaranteed, although no trial of any succeeded: in one a robot would turn flat
+/// against its edge, and in another D1 passes the end of D2 at 20 um, which is not the edge with which it docks.
 #[test]
 fn what_fails_in_trials_is_not_guaranteed() {
     assert!(codes("microrobots-guaranteed-gap").contains(&"E0605"));
@@ -51,7 +52,7 @@ fn what_fails_in_trials_is_not_guaranteed() {
     assert!(reported.contains("1000 of 1000 trials succeeded"), "{reported}");
 }
 
-/// The robots of both were once planned for seconds, since looking at paths was no part of the budget.
+/// Both once took seconds to plan, because examining paths did not count towards the budget.
 #[test]
 fn all_work_is_part_of_the_budget() {
     assert_eq!(codes("microrobots-heading-too-fine"), ["E0602"]);
@@ -86,7 +87,7 @@ fn extreme_figures_of_a_device_end_in_an_answer() {
     }
 }
 
-/// A drive of `D1` while `D2` stands before a disc, so far to its left.
+/// A drive of `D1` while `D2` is idle before a disc, `aside_um` to its left.
 fn before_a_disc(aside_um: u32) -> Built {
     build(&format!(
         "use std.microrobots as m\ndevice fleet : m.bed {{ robots: table {{\n robot | snap_down [V] | release [V] | turning_radius [um]\n \
@@ -97,7 +98,8 @@ fn before_a_disc(aside_um: u32) -> Built {
     ))
 }
 
-/// Nothing that a voltage does keeps a robot that stands by from an obstacle right before it; past one a little aside it turns or runs.
+/// No voltage keeps an idle robot away from an obstacle right in front of it; it can turn or run past one slightly to
+/// the side.
 #[test]
 fn a_bystander_before_an_obstacle_is_a_proof_and_one_beside_it_is_not() {
     assert_eq!(before_a_disc(0).codes, ["E0601"]);
@@ -119,7 +121,8 @@ fn a_search_that_ends_is_no_proof() {
     assert_eq!(codes("microrobots-false-e0601-bystander"), ["E0602"]);
 }
 
-/// Goals in orbits, orbits over one another, meetings that cannot be timed, robots in the way: first legs of the whole bed help.
+/// Goals in orbits, overlapping orbits, meetings that cannot be timed, robots in the way: initial legs of the whole bed
+/// help.
 #[test]
 fn robots_in_the_way_move_away_first() {
     for name in ["e0538-goal", "e0538-orbits", "false-e0601", "e0602-orbit", "e0602-untimely", "e0602-drive"] {
@@ -162,7 +165,7 @@ fn a_plan_that_is_likely_to_fail_is_warned_of_and_another_chosen_on_demand() {
     assert!(reported.contains("% of simulated trials fail") && !warned.contains("W0511"), "{reported}{warned}");
 }
 
-/// Fewer control cycles than the fastest plan, or as many, and never fewer than are applied.
+/// A plan with fewer control cycles than the fastest one, or as many, and never fewer than the program applies.
 #[test]
 fn switches_are_minimized() {
     let text = found("microrobots-e0602-untimely");
@@ -182,7 +185,7 @@ fn nothing_is_guaranteed_with_errors_and_everything_without() {
     for name in ["a", "c"] {
         assert_eq!(codes(&format!("microrobots-false-guarantee-{name}")), ["E0605"]);
     }
-    // The plan with a fine motion did not bear these errors; the one of a few legs does, as it is written.
+    // The plan with a fine motion did not bear these errors; the one with a few legs does, as written.
     let reported = output_of(&["simulate", "--trials", "1000"], "microrobots-false-guarantee-b");
     assert!(reported.contains("1000 of 1000 trials succeeded"), "{reported}");
     let reported = output_of(&["build"], "microrobots-no-errors-not-guaranteed");

@@ -1,6 +1,7 @@
-//! Errors that a plan surely bears, against an adversary: it chooses the error of each robot's speed and turning anew in every leg, and
-//! where the robots really stand at the beginning, so that a robot docks as far from its place as can be. It moves robots by its own
-//! formulas and knows nothing of the bounds. `TWEEZE_ORACLE_CASES=200` tries more programs.
+//! Errors that a plan is guaranteed to bear, tested against an adversary. In every leg it chooses the errors of each
+//! robot's speed and turning, and it chooses the true poses at the start, so that a robot docks as far from its place
+//! as possible. It moves robots by its own formulas and knows nothing of the bounds. `TWEEZE_ORACLE_CASES=200` tries
+//! more programs.
 
 use super::random::{Random, cases};
 use super::recorded::Bench;
@@ -12,10 +13,10 @@ use tweeze::plan::microrobots::guarantee::borne;
 use tweeze::plan::microrobots::simulation::simulate;
 use tweeze::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
 
-/// Samples of bodies in a leg.
+/// Number of body positions sampled in a leg.
 const SAMPLES: usize = 12;
 
-/// Three robots brought together somewhere, turned by any angle.
+/// Three robots assembled at a random place and angle.
 fn steps(random: &mut Random) -> String {
     let turned = random.unit() * TAU;
     let middle = [random.thousandths(1000.0, 2200.0), random.thousandths(800.0, 1800.0)];
@@ -33,8 +34,8 @@ fn steps(random: &mut Random) -> String {
     )
 }
 
-/// Choices of the adversary: the signs of errors of each robot, at the beginning (place along, across, heading) and in each leg
-/// (speed, turning).
+/// Choices of the adversary: the signs of the errors of each robot, at the start (along, across, heading) and in each
+/// leg (speed, turning).
 #[derive(Clone)]
 struct Choices {
     begin: Vec<[f64; 3]>,
@@ -47,7 +48,7 @@ struct Adversary<'a> {
     errors: Errors,
 }
 
-/// A robot of the structure where it should dock, and the leg of the whole plan after which it does.
+/// Docking place of a robot in the structure, and the leg of the whole plan after which it docks.
 #[derive(Clone, Copy)]
 struct Place {
     robot: usize,
@@ -66,7 +67,7 @@ impl Adversary<'_> {
         Choices { begin: vec![[0.0; 3]; robots], legs: vec![vec![[0.0; 2]; robots]; self.legs().count()] }
     }
 
-    /// The first two places, which make the structure, and the others.
+    /// The first two places, which form the structure, followed by the others.
     fn places(&self) -> Vec<Place> {
         let mut found = Vec::new();
         let mut before = 0;
@@ -92,7 +93,7 @@ impl Adversary<'_> {
         found
     }
 
-    /// Pose of a robot after a part of a leg, by the errors that were chosen for it.
+    /// Pose of a robot after a part of a leg, with the chosen errors.
     fn moved(&self, robot: usize, pose: Pose, state: usize, strokes: f64, [speed, turning]: [f64; 2]) -> Pose {
         let facts = self.order.robot(robot);
         let way = facts.step_um * strokes * (1.0 + speed * self.errors.speed_ratio);
@@ -121,7 +122,7 @@ impl Adversary<'_> {
         }
     }
 
-    /// Pose of a robot before each leg, and after the last one.
+    /// Pose of a robot before each leg and after the last one.
     fn followed(&self, robot: usize, choices: &Choices) -> Vec<Pose> {
         let mut poses = vec![self.begun(robot, choices.begin[robot])];
         for (at, (state, strokes)) in self.legs().enumerate() {
@@ -131,8 +132,8 @@ impl Adversary<'_> {
         poses
     }
 
-    /// Offset of the front of a robot at the end of its legs to the side of its place, and of its heading, in the structure that the
-    /// first two robots make: where their fronts are on the average.
+    /// Lateral offset of a robot's front from its place at the end of its legs, and its heading error, in the frame of
+    /// the structure, which is the mean pose of the fronts of the first two robots.
     fn off(&self, places: &[Place], nth: usize, choices: &Choices) -> [f64; 2] {
         let end = |place: &Place| self.followed(place.robot, choices)[place.leg + 1];
         let front = |place: &Place, pose: Pose| {
@@ -149,7 +150,7 @@ impl Adversary<'_> {
         let tilt = (wrapped(turned[0]) + wrapped(turned[1])) / 2.0;
         let place = &places[nth];
         if nth < 2 {
-            // How far the axes of the two are apart.
+            // Lateral distance between the axes of the two.
             let [one, other] = [0, 1].map(|at| front(&pair[at], there[at]));
             let axis = pair[0].goal.heading_rad + tilt;
             let across = (other[1] - one[1]) * axis.cos() - (other[0] - one[0]) * axis.sin();
@@ -179,7 +180,8 @@ impl Adversary<'_> {
                 (best, *choices) = (value, other);
             }
         };
-        // Each choice adds its own part, so that one look at each of them finds the worst of all up to small terms.
+        // The effects of the choices add up except for small terms, so that trying each of them once finds the worst
+        // combination.
         for &robot in &involved {
             for axis in 0..3 {
                 for sign in [-1.0, 1.0] {
@@ -196,7 +198,7 @@ impl Adversary<'_> {
         (choices, off)
     }
 
-    /// Whether two robots that do not stand yet ever overlap.
+    /// Whether two robots that have not docked yet ever overlap.
     fn collides(&self, places: &[Place], choices: &Choices) -> bool {
         let robots = self.motion.start.poses.len();
         let followed: Vec<Vec<Pose>> = (0..robots).map(|robot| self.followed(robot, choices)).collect();
@@ -221,7 +223,7 @@ impl Adversary<'_> {
         false
     }
 
-    /// Why some robot does not dock, if the adversary finds a reason.
+    /// A reason why some robot does not dock, if the adversary finds one.
     fn defeats(&self) -> Option<String> {
         let (places, docking) = (self.places(), self.order.facts.docking);
         for nth in 1..places.len() {
@@ -250,7 +252,7 @@ fn corners(adversary: &Adversary, robot: usize, pose: Pose) -> [[f64; 2]; 4] {
     [(a, b), (a, -b), (-a, -b), (-a, b)].map(|(x, y)| [pose.x_um + x * cos - y * sin, pose.y_um + x * sin + y * cos])
 }
 
-/// Whether two rectangles overlap: no side of either separates them.
+/// Whether two rectangles overlap: no side of either is a separating axis.
 pub fn overlap(one: &[[f64; 2]; 4], other: &[[f64; 2]; 4]) -> bool {
     let mut axes = [one, other]
         .into_iter()
@@ -265,7 +267,7 @@ pub fn overlap(one: &[[f64; 2]; 4], other: &[[f64; 2]; 4]) -> bool {
     })
 }
 
-/// The errors of a device multiplied.
+/// The error bounds of a device times a factor.
 fn scaled(errors: Errors, multiple: f64) -> Errors {
     Errors {
         speed_ratio: errors.speed_ratio * multiple,
@@ -295,15 +297,15 @@ fn no_adversary_defeats_a_plan_within_the_errors_that_it_bears() {
             Adversary { order: bench.order(), motion: &motion, errors: scaled(errors, multiple) }.defeats()
         };
         assert_eq!(defeated(multiple), None, "case {seed} at {multiple} times the errors");
-        // How much more the adversary needs.
+        // Factor at which the adversary succeeds.
         let needs = (0..25).map(|step| multiple * 1.5_f64.powi(step)).find(|more| defeated(*more).is_some());
         let needs = needs.unwrap_or_else(|| panic!("case {seed}: no errors defeat it"));
         (loosest, tightest) = (loosest.max(needs / multiple), tightest.min(needs / multiple));
-        // The controller carries the plan out as written, and simulated robots with errors at the limit all dock.
+        // The controller carries out the plan as written, and simulated robots with errors at the limit all dock.
         std::sync::Arc::make_mut(&mut order.facts).errors = Some(scaled(errors, multiple));
         let report = simulate(&order, &motion, 40, 5, 1).expect("an assembly");
         assert_eq!(report.successes, 40, "case {seed}: {:?}", report.failures);
-        // Half the errors are borne twice as often.
+        // Half the errors are borne with twice the factor.
         std::sync::Arc::make_mut(&mut order.facts).errors = Some(scaled(errors, multiple / 2.0));
         let twice = borne(&order, &motion);
         assert!((1.999..2.001).contains(&twice), "case {seed}: {twice}");

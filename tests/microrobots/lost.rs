@@ -1,4 +1,5 @@
-//! `tweeze control` where its peers, its clock or its disk fail: the run ends, and says `stop` wherever somebody can read it.
+//! `tweeze control` when its peers, its clock or its disk fail: the run ends, and `stop` is sent if anybody can still
+//! read it.
 
 #![cfg(unix)]
 
@@ -13,10 +14,10 @@ use tempfile::TempDir;
 const FILES: i32 = 4;
 const STOPPED: i32 = 6;
 
-/// Nothing here takes as long, on a busy machine either.
+/// Longer than anything here takes, even on a busy machine.
 const LONG: Duration = Duration::from_secs(60);
 
-/// The example of a drive, with a watchdog of this length.
+/// The drive example with a given watchdog time.
 fn drive(folder: &TempDir, watchdog: &str) -> PathBuf {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/microrobots_drive.twz");
     let text = std::fs::read_to_string(example).expect("the example is there");
@@ -26,7 +27,7 @@ fn drive(folder: &TempDir, watchdog: &str) -> PathBuf {
     path
 }
 
-/// The robots at their starts, D2 shifted by so much.
+/// The robots at their starts, with D2 shifted by `shift_um`.
 fn measured(t_ns: u64, shift_um: f64) -> String {
     let pose = |x_um: f64| json!({ "x_um": x_um, "y_um": 0.0, "heading_deg": 90.0 });
     let robots = json!({ "D1": pose(0.0), "D2": pose(2000.0 + shift_um), "D3": pose(4500.0) });
@@ -43,7 +44,7 @@ fn control(program: &Path, more: &[&str]) -> Command {
     control
 }
 
-/// Both ends of a controller that has greeted.
+/// A controller that has sent its greeting, with both ends of the connection.
 struct Peer {
     child: Child,
     to: ChildStdin,
@@ -64,7 +65,7 @@ impl Peer {
         serde_json::from_str(&self.lines.next().expect("an answer").expect("text")).expect("JSON")
     }
 
-    /// The reason of its stop, its exit status and what it said.
+    /// The reason for its stop, its exit status and its standard error.
     fn end(mut self, last: &Value) -> (String, Option<i32>, String) {
         drop(self.to);
         let rest = self.lines.map_while(Result::ok).last();
@@ -102,7 +103,7 @@ fn a_robot_that_somebody_moved_is_not_driven_on() {
     assert_eq!(peer.end(&last).1, Some(STOPPED));
 }
 
-/// Measurements go on, and their time does not.
+/// Measurements continue, but their time stands still.
 #[test]
 fn a_clock_that_stands_still_is_silence() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -117,7 +118,7 @@ fn a_clock_that_stands_still_is_silence() {
     assert_eq!(peer.end(&last).1, Some(STOPPED));
 }
 
-/// Whoever should read the commands hangs, and the pipe is full.
+/// The reader of the commands hangs, and the pipe is full.
 #[test]
 fn commands_that_nobody_takes_end_the_run() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -134,13 +135,13 @@ fn commands_that_nobody_takes_end_the_run() {
     assert!(said.contains("E0765") && is_told, "{said}");
 }
 
-/// What is written to the disk fails, and the robots are stopped all the same.
+/// Writing to the disk fails, and the robots are stopped nevertheless.
 #[test]
 fn a_full_disk_stops_the_robots_first() {
     let folder = tempfile::tempdir().expect("a folder");
     let record = folder.path().join("run.mcap");
     let mut limited = Command::new("sh");
-    // In blocks of 512 bytes: what is attached fits, and a hundred lines do not.
+    // In blocks of 512 bytes: the attachments fit, a hundred lines do not.
     limited.args(["-c", "ulimit -f 100; exec \"$@\"", "sh"]).arg(assert_cmd::cargo::cargo_bin!("tweeze"));
     limited.arg("control").arg(drive(&folder, "60 s")).arg("--record").arg(&record);
     let mut peer = Peer::of(&mut limited);
@@ -168,7 +169,7 @@ fn nothing_is_left_of_a_run_that_nobody_joined() {
     let program = drive(&folder, "1 s");
     let (socket, record) = (folder.path().join("bed.sock"), folder.path().join("run.mcap"));
     let listen = format!("unix:{}", socket.display());
-    // One that a process left, or listens at, is for its owner to delete.
+    // A socket that a process left behind or listens at is for its owner to delete.
     drop(std::os::unix::net::UnixListener::bind(&socket).expect("a socket"));
     let run = control(&program, &["--listen", &listen]).output().expect("it runs");
     let said = String::from_utf8_lossy(&run.stderr);

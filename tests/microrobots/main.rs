@@ -1,4 +1,5 @@
-//! Microrobots from a program's text to verified schedules: drives of the planner are integrated by the verifier from the voltage alone.
+//! Microrobots from a program's text to verified schedules: the verifier integrates the planner's drives from the
+//! voltage alone.
 
 // The expected figures come from the platform's own mathematics.
 #![allow(clippy::disallowed_methods)]
@@ -27,7 +28,7 @@ use support::build;
 use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{PlanRecord, State};
 
-/// The golden table of four robots; `turns` as a fifth column would say to which side.
+/// The reference table of four robots; a fifth column `turns` would give the turning side.
 const FLEET: &str = "\
 use std.microrobots
 device fleet : microrobots.bed {
@@ -42,12 +43,12 @@ device fleet : microrobots.bed {
 }
 ";
 
-/// A pose as the language writes it.
+/// A pose in the language.
 fn pose(x_um: f64, y_um: f64, heading_rad: f64) -> String {
     format!("pose({x_um} um, {y_um} um, {} deg)", heading_rad.to_degrees())
 }
 
-/// Where a robot is at the end of a plan.
+/// Pose of a robot at the end of a plan.
 fn last(plan: &PlanRecord, robot: &str) -> [f64; 3] {
     match plan.states.last().map(|timed| &timed.state) {
         Some(State::Microrobots(MicrorobotsState { poses, .. })) => {
@@ -104,7 +105,7 @@ fn a_state_is_applied_and_all_robots_move_with_it() {
         schedule.actuations.iter().filter(|one| one.swing.is_some()).map(|one| one.duration_ns).collect();
     assert_eq!(trains, [3_000_000_000, 1_000_000_000]);
     let plan = &schedule.plans[0];
-    // D4 runs straight all the time, D1 only in the last second.
+    // D4 runs straight all the time, D1 only during the last second.
     let d4 = last(plan, "D4");
     assert!((d4[0] - 3000.0).abs() < 1e-6 && (d4[1] - 800.0).abs() < 1e-6, "{d4:?}");
     let d1 = last(plan, "D1");

@@ -1,7 +1,8 @@
-//! Recordings of controlled runs: those of a bed within its errors are accepted, and each edit is refused by the rule that it breaks.
+//! Recordings of controlled runs: those of a bed within its error bounds are accepted, and each edit is refused by the
+//! rule that it breaks.
 //!
-//! The simulated bed keeps the bounds on the device's errors, and its robots move by other code than the judge's, so that a refusal of one of its
-//! runs would be a false alarm. `TWEEZE_ORACLE_CASES=1000` runs more trials.
+//! The simulated bed keeps the bounds on the device's errors, and its robots are moved by other code than the judge's,
+//! so that refusing one of its runs would be a false alarm. `TWEEZE_ORACLE_CASES=1000` runs more trials.
 
 use super::random::cases;
 use super::support::Folder;
@@ -26,7 +27,7 @@ use tweeze::source::{Sources, Span};
 use tweeze::verify::microrobots::recorded::{RecordedRun, Tolerances, judge};
 use tweeze::verify::{Rule, Violation};
 
-/// Three robots; the steps of a task on them.
+/// A program with three robots and the given steps.
 fn program(steps: &str) -> String {
     format!(
         "use std.microrobots
@@ -97,7 +98,7 @@ impl Bench {
         self.planned().expect("a plan")
     }
 
-    /// The lines of trials, and whether they succeeded.
+    /// The lines of some trials, and whether each succeeded.
     fn trials(&self, disturbances: Disturbances, trials: u64) -> Vec<(Vec<ControlLine>, bool)> {
         let (order, motion) = (self.order(), self.motion());
         let bed = SimulatedBed::new(order, &motion, disturbances).expect("an assembly");
@@ -121,7 +122,7 @@ impl Bench {
         self.judged(lines, Tolerances::default()).err().into_iter().flatten().map(|violation| violation.rule).collect()
     }
 
-    /// A change of the claims.
+    /// The bench with changed claims.
     fn changed(&self, change: impl FnOnce(&mut MicrorobotsOrder)) -> Bench {
         let mut claims = self.claims.clone();
         let Order::Microrobots(order) = &mut claims.jobs[0].order else { panic!("an order of microrobots") };
@@ -130,7 +131,7 @@ impl Bench {
     }
 }
 
-/// A controller whose exchange is kept.
+/// A controller that records its exchange.
 struct RecordingPilot<'a> {
     order: &'a MicrorobotsOrder,
     controller: Controller<'a>,
@@ -159,7 +160,7 @@ impl Pilot for RecordingPilot<'_> {
     }
 }
 
-/// A drive among errors ends as near as they allow, which the task does not ask for.
+/// A drive with errors ends as near as the errors allow, which is farther than the task asks.
 const DRIVEN_TOLERANCES: Tolerances = Tolerances { path_um: 0.0, goal_um: 1000.0, heading_rad: 3.2, time_ns: 0 };
 
 #[test]
@@ -186,7 +187,8 @@ fn runs_of_a_bed_within_its_errors_are_accepted() {
     }
 }
 
-/// Lost and wrong measurements are set aside if nothing was done about them; what is done about them breaks the path.
+/// Lost and wrong measurements are set aside if nothing was done about them; otherwise the reaction breaks the path
+/// rule.
 #[test]
 fn disturbances_are_set_aside_or_named() {
     let bench = Bench::of(TRIO);
@@ -208,7 +210,7 @@ fn disturbances_are_set_aside_or_named() {
     assert!(set_aside > 0 && strayed * 10 >= cases(20) * 8, "{set_aside} set aside, {strayed} strayed");
 }
 
-/// The commands of some lines that drive, with their places.
+/// The driving commands among some lines, with their indices.
 fn drives<'l>(lines: &'l mut [ControlLine]) -> Vec<(usize, &'l mut CommandLine)> {
     let command = |(at, line): (usize, &'l mut ControlLine)| match line {
         ControlLine::Command(command) if command.segments.as_ref().is_some_and(|segments| !segments.is_empty()) => {
@@ -229,7 +231,7 @@ fn moved(line: &mut ControlLine, robot: &str, by_um: f64) {
     pose.x_um += by_um;
 }
 
-/// A recording of a trial that succeeded.
+/// The recording of a successful trial.
 fn good(bench: &Bench) -> Vec<ControlLine> {
     good_within(bench, Tolerances::default())
 }
@@ -312,7 +314,7 @@ fn every_edit_is_refused_by_the_rule_that_it_breaks() {
     }
 }
 
-/// What the program claims else is seen in the same recording.
+/// The same recording breaks changed claims of the program.
 #[test]
 fn a_recording_is_held_against_the_claims() {
     let bench = Bench::of(TRIO);
@@ -358,7 +360,7 @@ fn a_recording_is_held_against_the_claims() {
     assert!(hasty.judged(&lines, granted).is_ok());
 }
 
-/// A turn of a docked robot's arm, and a rest that is driven instead.
+/// The arm of a docked robot is lowered, and a rest is replaced by a drive.
 #[test]
 fn docked_arms_and_rests_are_held() {
     let bench = Bench::of(TRIO);

@@ -1,25 +1,27 @@
-//! Assemblies of two robots for which a plan is known that drives both home at once: the legs of a random short plan, run backwards from
-//! the goals, give the poses at the start. The model of motion shares nothing with the planner or the verifier.
+//! Assemblies of two robots with a known plan that drives both to their goals at once: the legs of a random short plan,
+//! run backwards from the goals, give the start poses. The motion model shares nothing with the planner or the
+//! verifier.
 
 use super::random::Random;
 use super::support::build;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use tweeze::schedule::PlanRecord;
 
-/// Both have the same speed and the same radius.
+/// Both robots have the same speed and radius.
 const RADIUS_UM: f64 = 160.0;
 const SPEED_UM_S: f64 = 200.0;
 
-/// Duration of a leg's control cycle, at most.
+/// Greatest duration of a leg's control cycle.
 const CYCLE_S: f64 = 0.002;
 
-/// What rounding to whole strokes may cost.
+/// Greatest cost of rounding to whole strokes.
 const ROUNDING_S: f64 = 0.01;
 
 /// A pose: x and y in micrometres, heading in radians.
 type Place = [f64; 3];
 
-/// Clockwise on a circle with the arm down, straight on with the arm up; backwards where the way is negative.
+/// Moves a pose: clockwise on a circle with the arm down, straight ahead with the arm up; backwards if the distance is
+/// negative.
 fn gone([x, y, heading]: Place, way_um: f64, is_down: bool) -> Place {
     if !is_down {
         return [x + way_um * heading.cos(), y + way_um * heading.sin(), heading];
@@ -29,10 +31,10 @@ fn gone([x, y, heading]: Place, way_um: f64, is_down: bool) -> Place {
     [middle_x - RADIUS_UM * later.sin(), middle_y + RADIUS_UM * later.cos(), later]
 }
 
-/// Two robots, `D1` to the right and `D2` to the left, that meet head on in the origin.
+/// Two robots, `D1` facing right and `D2` facing left, that meet head on at the origin.
 const GOALS: [Place; 2] = [[-130.0, 0.0, 0.0], [130.0, 0.0, 2.0 * FRAC_PI_2]];
 
-/// Poses from which legs (the number of arms that are down, the way) lead to the goals.
+/// Start poses from which the legs (number of lowered arms, distance) lead to the goals.
 fn starts(legs: &[(usize, f64)]) -> [Place; 2] {
     // State 1 lowers the arm of `D1` alone.
     [0, 1].map(|robot| legs.iter().rev().fold(GOALS[robot], |at, (downs, way_um)| gone(at, -way_um, robot < *downs)))
@@ -64,7 +66,7 @@ fn planned(text: &str) -> PlanRecord {
 
 const EXACT: &str = ", speed_error: 0 %, turning_error: 0 deg/mm, place_error: 0 um, heading_error: 0 deg";
 
-/// One control state, held, brings both home: no other plan is as fast or has as few control cycles.
+/// Holding one control state brings both to their goals: no other plan is as fast or has as few control cycles.
 #[test]
 fn robots_that_face_each_other_run_until_they_meet() {
     let starts = starts(&[(0, 1_380.0)]);
@@ -80,7 +82,7 @@ fn robots_that_face_each_other_run_until_they_meet() {
     }
 }
 
-/// Plans of one or two legs, with no full circle in them, are found, or better ones; and no bound is above them.
+/// Plans of one or two legs without a full circle are found, or better ones, and no bound exceeds them.
 #[test]
 fn no_plan_of_a_few_legs_is_missed() {
     let mut chance = Random::new(21);

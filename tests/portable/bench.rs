@@ -1,4 +1,4 @@
-//! The built program, run in the tests' own folders.
+//! Runs the built program in folders of the tests.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,14 +9,14 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The built program, to be run in a folder.
+/// A command for the built program in a folder.
 pub fn tweeze(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tweeze"));
     command.current_dir(folder).env_remove("LD_PRELOAD");
     command
 }
 
-/// Runs a command that must end well.
+/// Runs a command that must succeed.
 #[track_caller]
 pub fn done(command: &mut Command) -> Output {
     let output = command.output().expect("the program starts");
@@ -31,7 +31,7 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         (name, std::fs::read(&path).expect("it can be read"))
     };
-    // What begins with a dot is the folder's own record of what was built from where.
+    // Names that begin with a dot are the folder's own record of which program its files were built from.
     let is_output = |entry: &std::fs::DirEntry| !entry.file_name().to_string_lossy().starts_with('.');
     entries.filter(is_output).map(|entry| read(entry.path())).collect()
 }

@@ -1,8 +1,9 @@
-//! Numbers of another magnitude are an error at their place, or are built: no endless search, no plan that is refused.
+//! Numbers of another magnitude are reported at their place, or build: no endless search, and no plan that the verifier
+//! refuses.
 
 use super::bench::{root, tweeze};
 
-/// The codes that a build of a found program reports.
+/// The codes that the build of a program in `tests/found` reports.
 fn codes(name: &str) -> Vec<String> {
     let out = tempfile::tempdir().expect("a folder");
     let program = root().join("tests/found").join(name).with_extension("twz");
@@ -30,6 +31,6 @@ fn figures_out_of_range_are_errors_of_the_program() {
 #[test]
 fn headings_of_many_turns_are_headings() {
     assert_eq!(codes("refused-heading"), Vec::<String>::new());
-    // Whatever is answered, it is answered, and not by the verifier.
+    // Any answer will do, as long as it is not the verifier's.
     assert!(codes("hang-heading").iter().all(|code| !code.starts_with("E07")));
 }

@@ -1,5 +1,5 @@
-//! The same program gives the same bytes: wherever it is stored, however its path is typed, whatever mathematics the platform links; and
-//! logs of other versions are distinguished from edited ones.
+//! The same program gives the same bytes, wherever it is stored, however its path is typed, and whichever mathematics
+//! library the platform links. Logs of other versions are distinguished from edited ones.
 
 mod bench;
 mod figures;

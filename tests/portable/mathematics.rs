@@ -1,5 +1,5 @@
-//! Nothing on the way from a program to its outputs calls the mathematics of the platform: with a C library whose functions are all
-//! off by one unit in the last place, the outputs are the same.
+//! Nothing on the way from a program to its outputs calls the platform's mathematics: with a C library whose functions
+//! are all off by one unit in the last place, the outputs are the same.
 
 use super::bench::{done, root, tweeze};
 use super::outputs::{fingerprints, kept};
@@ -7,11 +7,11 @@ use super::system::is_there;
 use std::path::Path;
 use std::process::Command;
 
-/// What dependencies still ask for: `microlp` the logarithms that it rounds to powers of two, by which the judge of hands has rows and
-/// columns scaled; `indicatif` the speed of a progress line, which goes to the terminal only.
+/// Functions that dependencies still call: `microlp` the logarithms that it rounds to powers of two for scaling the
+/// rows and columns of the judge of hands; `indicatif` the speed of a progress line, which goes to the terminal only.
 const ASKED_BY_OTHERS: [&str; 2] = ["log2", "pow"];
 
-/// The functions that the other mathematics replaces, by its own text.
+/// The functions that the other library replaces, read from its source.
 fn replaced() -> Vec<String> {
     let text = std::fs::read_to_string(root().join("tests/data/other_mathematics.c")).expect("it is there");
     let of = |line: &str| {
@@ -25,7 +25,7 @@ fn replaced() -> Vec<String> {
 #[cfg(target_os = "linux")]
 #[test]
 fn outputs_do_not_hang_on_the_mathematics_of_the_platform() {
-    // The other test is about to rewrite what this one reads.
+    // The other test is rewriting the file that this one reads.
     if !is_there("cc") || std::env::var_os("TWEEZE_UPDATE").is_some() {
         return;
     }
@@ -34,12 +34,13 @@ fn outputs_do_not_hang_on_the_mathematics_of_the_platform() {
     let source = root().join("tests/data/other_mathematics.c");
     done(Command::new("cc").args(["-shared", "-fPIC", "-fno-builtin", "-O1", "-o"]).arg(&library).arg(&source));
     works(bench.path(), &library);
-    // The other test holds the same fingerprints against what is written without it.
+    // The other test compares the same fingerprints with outputs built without the library.
     let wrong = fingerprints(&[("LD_PRELOAD", &library)]);
     assert_eq!(wrong, kept());
 }
 
-/// The other mathematics is one: a program that calls the platform's comes to other numbers with it.
+/// Checks that the other library has an effect: a program that calls the platform's functions gets different numbers
+/// with it.
 fn works(folder: &Path, library: &Path) {
     let text = "#include <math.h>\n#include <stdio.h>\n#include <stdlib.h>\n\
                 int main(int n, char **v) { double x = atof(v[1]); printf(\"%a %a %a\", sin(x), pow(x, 1.7), hypot(x, 2)); }\n";
@@ -69,6 +70,6 @@ fn the_program_asks_the_platform_for_no_elementary_function_of_its_own() {
     let is_new = |name: &&String| names.contains(name) && !ASKED_BY_OTHERS.contains(&name.as_str());
     let of_mathematics: Vec<&String> = asked.iter().filter(is_new).collect();
     assert!(of_mathematics.is_empty(), "{of_mathematics:?}");
-    // The program runs at all.
+    // The program runs with it at all.
     done(tweeze(root()).arg("--version"));
 }

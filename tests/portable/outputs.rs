@@ -1,5 +1,5 @@
-//! The fingerprints of all outputs of all examples are in `tests/data/outputs.sha256`, in the form of `sha256sum`: any change of
-//! a byte on some platform, or by a change of the compiler, fails here.
+//! Fingerprints of all outputs of all examples, in `tests/data/outputs.sha256` in the format of `sha256sum`: a change
+//! of any byte, on some platform or by a change of the compiler, fails here.
 //!
 //! `TWEEZE_UPDATE=1 cargo test --test portable outputs` rewrites them after an intended change.
 
@@ -22,7 +22,7 @@ fn digest(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The fingerprints of all outputs of all examples, built with some variables in the environment.
+/// The fingerprints of all outputs of all examples, built with some environment variables.
 pub fn fingerprints(environment: &[(&str, &Path)]) -> String {
     let mut text = String::new();
     for example in examples() {
@@ -43,12 +43,12 @@ fn place() -> PathBuf {
     root().join("tests/data/outputs.sha256")
 }
 
-/// The fingerprints that are kept; empty where there are none yet.
+/// The stored fingerprints; empty if there are none yet.
 pub fn kept() -> String {
     std::fs::read_to_string(place()).unwrap_or_default()
 }
 
-/// The pictures at the head of the README, each with the picture of an example that it is a copy of.
+/// The pictures at the head of the README, each with the example's picture that it is a copy of.
 const PICTURES: [(&str, &str); 4] = [
     ("dimibot.svg", "dimibot_fetch/fetch.svg"),
     ("electrode_array.svg", "electrode_array_swap/swap.svg"),
@@ -56,7 +56,7 @@ const PICTURES: [(&str, &str); 4] = [
     ("fingers.svg", "fingers_ellipsoid/flip.svg"),
 ];
 
-/// The other test holds these fingerprints against what is written today.
+/// The other test compares these fingerprints with the current outputs.
 #[test]
 fn pictures_of_the_readme_are_those_of_the_examples() {
     let fingerprints = kept();

@@ -1,4 +1,4 @@
-//! A log of another version is neither verified nor called edited.
+//! A log of another version is neither verified nor reported as edited.
 
 use super::bench::{done, tweeze};
 use mcap::records::Record;
@@ -7,7 +7,7 @@ use std::io::Cursor;
 
 const PROGRAM: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
 
-/// A log packed anew with other metadata and other claims.
+/// A log packed again with other metadata and claims.
 fn packed(log: &[u8], metadata: impl Fn(&mut BTreeMap<String, String>), claims: impl Fn(String) -> String) -> Vec<u8> {
     let mut writer = mcap::WriteOptions::new().compression(None).create(Cursor::new(Vec::new())).expect("a writer");
     for message in mcap::MessageStream::new(log).expect("a log") {
@@ -35,7 +35,7 @@ fn packed(log: &[u8], metadata: impl Fn(&mut BTreeMap<String, String>), claims: 
     writer.into_inner().into_inner()
 }
 
-/// The exit status and the message about the log of [`PROGRAM`] with some of it replaced.
+/// The exit status and message for the log of [`PROGRAM`] with some of its metadata and claims replaced.
 fn reported(metadata: &[(&str, Option<&str>)], claims: impl Fn(String) -> String) -> (Option<i32>, String) {
     let bench = tempfile::tempdir().expect("a folder");
     std::fs::write(bench.path().join("go.twz"), PROGRAM).expect("written");
@@ -75,7 +75,7 @@ fn what_another_version_of_the_same_schema_derives_is_no_edit() {
     for text in [reported(&other, |claims| claims), reported(&other, changed)] {
         assert!(text.0 == Some(4) && text.1.contains("E0848") && text.1.contains("tweeze 0.0.9"), "{text:?}");
     }
-    // The same edit of a log that names this version is one.
+    // The same edit in a log of this version is reported as one.
     let (code, text) = reported(&[], changed);
     assert!(code == Some(3) && text.contains("E0741") && text.contains("edited"), "{text}");
     let (code, text) = reported(&[], |claims| claims.replace("tweeze-claims", "breeze-claims"));

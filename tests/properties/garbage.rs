@@ -1,10 +1,10 @@
-//! Whatever the compiler is given, it ends and does not panic; it reports whatever it does not understand.
+//! For any input the compiler ends without a panic and reports what it does not understand.
 
 use super::support::{Built, build};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 
-/// Words, signs and values of the language, and some that are not of it.
+/// Words, signs and values of the language, and some foreign ones.
 const TOKENS: &[&str] = &[
     "use", "as", "let", "device", "scene", "task", "program", "wiring", "table", "true", "false", "to", "from", "by",
     "about", "for", "at", "via", "with", "in", "on", "move", "visit", "wait", "run", "together", "minimize", "using",
@@ -24,16 +24,16 @@ const PAPER: &str = include_str!("../../examples/dimibot_paper.twz");
 
 const UNEQUAL: &str = include_str!("../../examples/dimibot_unequal.twz");
 
-/// Small boards, so that what a mutation makes unsolvable is proven so fast.
+/// Small boards, so that a program that a mutation makes unsolvable is quickly proven so.
 const ARRAYS: &str = include_str!("../data/arrays.twz");
 
-/// Either schedules come back, or an error was reported; the verifier never finds fault with a planner.
+/// Whether schedules were returned or an error was reported, and the verifier did not refuse a planner's result.
 fn is_answered(built: &Built) -> bool {
     let failed = built.codes.iter().any(|code| code.starts_with('E'));
     !built.refused && (failed == built.schedules.is_empty() || (!failed && built.schedules.is_empty()))
 }
 
-/// The tokens of a program: words, numbers, blanks, and every sign by itself.
+/// The tokens of a program: words, numbers, spaces, and single signs.
 fn tokens(text: &str) -> Vec<&str> {
     let mut tokens = Vec::new();
     let mut rest = text;

@@ -1,15 +1,16 @@
-//! Distances in the plane, for the oracle: nothing of the compiler's geometry is used.
+//! Planar distances for the oracle; none of the compiler's geometry is used.
 
 pub type Point = [f64; 2];
 
-/// A placed obstacle: all points within `radius` of a filled outline of one, two or more corners, in micrometres.
+/// A placed obstacle: all points within `radius` of a filled outline with one, two or more corners, in micrometres.
 #[derive(Debug, Clone)]
 pub struct Body {
     pub outline: Vec<Point>,
     pub radius: f64,
 }
 
-/// How far a closed axis-parallel rectangle, which may be a segment or a point, stays clear of a body; negative inside its rim.
+/// Clearance between a closed axis-parallel rectangle, which may be a segment or a point, and a body; negative inside
+/// the rim.
 pub fn clearance(low: Point, high: Point, body: &Body) -> f64 {
     let rectangle = [low, [high[0], low[1]], high, [low[0], high[1]]];
     let holds_a_corner = body.outline.iter().any(|p| (0..2).all(|axis| low[axis] <= p[axis] && p[axis] <= high[axis]));
@@ -24,7 +25,7 @@ fn edges(outline: &[Point]) -> impl Iterator<Item = (Point, Point)> + '_ {
     (0..outline.len()).map(|k| (outline[k], outline[(k + 1) % outline.len()]))
 }
 
-/// By the number of edges that a ray to the right crosses.
+/// Whether a point is inside, by the number of edges that a ray to the right crosses.
 fn contains(outline: &[Point], p: Point) -> bool {
     let crossed = edges(outline)
         .filter(|(a, b)| (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]));

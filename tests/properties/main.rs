@@ -1,6 +1,8 @@
-//! Properties of every program, tried on random ones: the compiler against brute force, against itself, and against garbage.
+//! Properties of all programs, tested on random ones: the compiler against brute force, against itself, and against
+//! garbage.
 //!
-//! The scenes come from fixed seeds. The oracle knows the language and the paper; it shares no code with the compiler.
+//! The scenes come from fixed seeds. The oracle is based on the language and the paper; it shares no code with the
+//! compiler.
 
 // The expected figures come from the platform's own mathematics.
 #![allow(clippy::disallowed_methods)]
@@ -21,10 +23,10 @@ const PLANNERS: [&str; 5] = ["staged_astar", "dijkstra", "bidirectional_dijkstra
 
 const OBJECTIVES: [&str; 4] = ["distance", "switches", "time", "energy"];
 
-/// What the `wait` in every task takes.
+/// Duration of the `wait` in every task.
 const WAIT_MS: f64 = 3.0;
 
-/// The least cost of a task by brute force, in the unit of the objective; `None` if there is no way.
+/// The least cost of a task by brute force, in the unit of the objective; `None` if there is no path.
 fn truth(graph: &Graph, scene: &Scene, objective: &str) -> Option<f64> {
     let pitch_um = scene.pitch_um();
     let switch = move |_: usize, _: u32| 1.0;
@@ -33,7 +35,7 @@ fn truth(graph: &Graph, scene: &Scene, objective: &str) -> Option<f64> {
         "distance" => graph.task(scene, &move |side, module| f64::from(1 << module) * pitch_um[side]),
         "switches" => graph.task(scene, &switch),
         "time" => graph.task(scene, &switch).map(|n| n * (pulse_ms + f64::from(scene.rest_ms)) + WAIT_MS),
-        // 20 V and 100 mA.
+        // 20 V × 100 mA.
         "energy" => graph.task(scene, &switch).map(|n| n * 2.0 * pulse_ms),
         other => panic!("{other}"),
     }
@@ -43,7 +45,7 @@ fn close(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-9 * a.abs().max(b.abs())
 }
 
-/// A scene, and a graph in which every move is clear of the rims by more than floats can blur.
+/// A scene, and a graph in which no move is so close to a rim that rounding could decide whether it is free.
 fn told_apart(random: &mut Random, most_modules: u32) -> (Scene, Graph) {
     loop {
         let mut scene = Scene::random(random, most_modules);
@@ -54,7 +56,7 @@ fn told_apart(random: &mut Random, most_modules: u32) -> (Scene, Graph) {
     }
 }
 
-/// What came of the scenes so far, so that a test knows that it has seen all sorts.
+/// Counts of outcomes, so that a test can check that all sorts occurred.
 #[derive(Debug, Default)]
 struct Seen {
     covered: usize,
@@ -64,7 +66,7 @@ struct Seen {
 }
 
 impl Seen {
-    /// Holds the plans of one program, with a task for each objective, against brute force.
+    /// Compares the plans of a program, which has a task for each objective, with brute force.
     fn judge(&mut self, scene: &Scene, graph: &Graph, built: &Built, text: &str) {
         let errors: Vec<&str> = built.codes.iter().copied().filter(|code| code.starts_with('E')).collect();
         let stops = scene.stops.iter().chain(&scene.visits);
@@ -76,7 +78,7 @@ impl Seen {
             return;
         }
         let Some(distance) = truth(graph, scene, "distance") else {
-            // One for each way that is shut, in each of the four tasks.
+            // At least one error for each of the four tasks.
             assert!(errors.len() >= 4 && errors.iter().all(|code| *code == "E0601"), "{errors:?}\n{text}");
             self.shut += 1;
             return;

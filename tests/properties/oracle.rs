@@ -5,21 +5,21 @@ use super::scene::{Cell, Obstacle, Scene};
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
-/// A clearance nearer to zero than this, in micrometres, is too close to be told by floats.
+/// A clearance nearer to zero than this, in micrometres, cannot be decided reliably with floats.
 const TOO_CLOSE_UM: f64 = 1e-6;
 
-/// What one switch costs.
+/// Cost of one switch.
 pub type Weight = dyn Fn(usize, u32) -> f64;
 
-/// Which moves of a scene are free: looked up, not asked again.
+/// The free moves of a scene, precomputed.
 pub struct Graph {
     modules: [u32; 2],
-    /// For each cell, whether it is free, and the mask of the free switches of either side.
+    /// For each cell, whether it is free, and the masks of its free switches on either side.
     cells: Vec<(bool, [u32; 2])>,
 }
 
 impl Graph {
-    /// `None` if some move is so close to an obstacle that floats cannot tell.
+    /// `None` if some move is too close to an obstacle to decide with floats.
     pub fn new(scene: &Scene) -> Option<Graph> {
         let [left, right] = scene.modules;
         let mut cells = Vec::with_capacity(1 << (left + right));
@@ -42,12 +42,12 @@ impl Graph {
         (x << self.modules[1] | y) as usize
     }
 
-    /// The least cost from one cell to every other, infinite where there is no way (Dijkstra's algorithm).
+    /// The least cost from one cell to every other, infinite if there is no path (Dijkstra's algorithm).
     pub fn costs(&self, start: Cell, weight: &Weight) -> Vec<f64> {
         let mut costs = vec![f64::INFINITY; self.cells.len()];
         let mut queue = BinaryHeap::new();
         costs[self.index(start)] = 0.0;
-        // The bits of a float that is not negative sort as the float does.
+        // The bits of a non-negative float sort like the float.
         queue.push(Reverse((0f64.to_bits(), start)));
         while let Some(Reverse((bits, cell))) = queue.pop() {
             let here = self.index(cell);
@@ -66,7 +66,7 @@ impl Graph {
         costs
     }
 
-    /// The least cost of a scene's task; `None` if there is no way.
+    /// The least cost of a scene's task; `None` if there is no path.
     pub fn task(&self, scene: &Scene, weight: &Weight) -> Option<f64> {
         let leg = |from: Cell, to: Cell| self.costs(from, weight)[self.index(to)];
         let mut at = scene.start;
@@ -90,8 +90,8 @@ fn best_order(between: &[Vec<f64>], at: usize, left: u32) -> f64 {
     if left == 0 { 0.0 } else { costs.fold(f64::INFINITY, f64::min) }
 }
 
-/// The fewest pulses of a scene's task, if modules may switch together (breadth first over all sets of modules); the outer
-/// `None` if floats cannot tell.
+/// The fewest pulses of a scene's task if modules may switch together, by breadth-first search over all sets of
+/// modules; the outer `None` if floats cannot decide.
 pub fn pulses(scene: &Scene) -> Option<Option<usize>> {
     let mut sum = 0;
     let mut at = scene.start;
@@ -130,7 +130,7 @@ fn fewest_pulses(scene: &Scene, start: Cell, goal: Cell) -> Option<Option<usize>
     None
 }
 
-/// Side (0 left, 1 right) and number of every module.
+/// Side (0 left, 1 right) and index of every module.
 fn switches(modules: [u32; 2]) -> impl Iterator<Item = (usize, u32)> {
     (0..2).flat_map(move |side| (0..modules[side]).map(move |module| (side, module)))
 }
@@ -140,8 +140,8 @@ fn switched(mut cell: Cell, side: usize, module: u32) -> Cell {
     cell
 }
 
-/// Whether the modules in which two cells differ may be switched at once: wherever they are on their way, the tip lies in the
-/// rectangle between all of them reset and all of them set. `None` if floats cannot tell.
+/// Whether the modules in which two cells differ may be switched at once. Until all have arrived, the tip is in the
+/// rectangle between all of them reset and all of them set. `None` if floats cannot decide.
 fn is_free(scene: &Scene, a: Cell, b: Cell) -> Option<bool> {
     let low = [a[0] & b[0], a[1] & b[1]];
     let high = [a[0] | b[0], a[1] | b[1]];

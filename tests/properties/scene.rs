@@ -1,4 +1,4 @@
-//! Random programs for one DiMiBot: as text for the compiler, and as numbers for the oracle.
+//! Random programs for one DiMiBot: as text for the compiler and as numbers for the oracle.
 
 #[path = "../support/random.rs"]
 mod random;
@@ -9,16 +9,16 @@ use std::fmt::Write;
 
 pub type Cell = [u32; 2];
 
-/// What stands in the way.
+/// An obstacle.
 #[derive(Debug, Clone)]
 pub enum Obstacle {
     /// Both corners included, the lower one first.
     Cells(Cell, Cell),
-    /// Not yet grown by tip and repeatability.
+    /// Not yet grown by the tip and the repeatability.
     Solid(Body),
 }
 
-/// A robot, what stands in its way, and where it has to go.
+/// A robot, its obstacles, and its task.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// Left and right.
@@ -28,9 +28,9 @@ pub struct Scene {
     pub rest_ms: u32,
     pub obstacles: Vec<Obstacle>,
     pub start: Cell,
-    /// Places of a `move`: some by way of which, then the goal.
+    /// Stops of a `move`: intermediate places, then the goal.
     pub stops: Vec<Cell>,
-    /// Places of a `visit` that follows, in any order.
+    /// Places of a following `visit`, in any order.
     pub visits: Vec<Cell>,
     device: String,
     objects: String,
@@ -66,7 +66,7 @@ impl Scene {
         scene
     }
 
-    /// Draws a covered start or stop anew, mostly.
+    /// Redraws a covered start or stop, in most cases.
     pub fn leave_obstacles(&mut self, random: &mut Random, is_free: impl Fn(Cell) -> bool) {
         let (start, mut stops) = (self.start, std::mem::take(&mut self.stops));
         let mut drawn = |cell: Cell| {
@@ -118,7 +118,7 @@ impl Scene {
         self.obstacles.push(Obstacle::Solid(Body { outline: outline.into_iter().map(place).collect(), radius }));
     }
 
-    /// The program: one task for each set of settings.
+    /// The program, with one task for each set of settings.
     pub fn text(&self, settings: &[String]) -> String {
         let mut text = format!(
             "use std.dimibot\n\ndevice bot : dimibot.femto_st {{ {} }}\n\nscene bench {{\n{}}}\n",
@@ -144,7 +144,7 @@ impl Scene {
     }
 }
 
-/// A shape's text, the corners of its core in its own frame, and the radius around them.
+/// Text of a random shape, the corners of its core in its own frame, and the radius around them.
 fn shape(random: &mut Random, size: f64) -> (String, Vec<Point>, f64) {
     let mut length = |least: f64| random.thousandths(least, least + size);
     let (a, b) = (length(0.1), length(0.1));
@@ -160,7 +160,7 @@ fn shape(random: &mut Random, size: f64) -> (String, Vec<Point>, f64) {
             (format!(" : capsule {{ length: {a} um, radius: {b} um }}"), core, b)
         }
         _ => {
-            // An arrow head: not convex, its corners in order around the origin.
+            // An arrowhead: not convex; its corners are in order around the origin.
             let corners = vec![[a, 0.0], [-b, a], [-b / 4.0, 0.0], [-b, -a]];
             let places: Vec<String> = corners.iter().map(|[x, y]| format!("({x} um, {y} um)")).collect();
             (format!(" : polygon {{ points: [{}] }}", places.join(", ")), corners, 0.0)

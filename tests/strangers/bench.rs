@@ -1,4 +1,4 @@
-//! A folder in which the built program runs.
+//! Runs the built program in a temporary folder.
 
 use assert_cmd::Command;
 use std::fs;
@@ -11,16 +11,16 @@ pub const USAGE: i32 = 2;
 pub const REFUSED: i32 = 3;
 pub const FILES: i32 = 4;
 
-/// A program of the folder of found faults.
+/// A program in `tests/found`.
 pub fn found(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/found").join(name);
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// How a run ended.
+/// Result of a run.
 #[derive(Debug)]
 pub struct Ended {
-    /// Of the program; none after a signal.
+    /// Exit status; `None` after a signal.
     pub code: Option<i32>,
     /// The signal that ended it.
     pub signal: Option<i32>,
@@ -37,7 +37,7 @@ impl Ended {
     }
 }
 
-/// A folder of its own.
+/// A temporary folder.
 pub struct Bench {
     folder: TempDir,
 }
@@ -60,21 +60,21 @@ impl Bench {
         self.run_with(&[], arguments)
     }
 
-    /// As [`Bench::run`], with more variables of the environment.
+    /// As [`Bench::run`], with further environment variables.
     pub fn run_with(&self, variables: &[(&str, &str)], arguments: &[&str]) -> Ended {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tweeze"));
         command.envs(variables.iter().copied());
         self.ended(command, arguments)
     }
 
-    /// As [`Bench::run`], in so much memory, where a shell can say so.
+    /// As [`Bench::run`], with a memory limit where the shell supports one.
     pub fn run_in_mib(&self, mib: u64, arguments: &[&str]) -> Ended {
         let limited = format!("ulimit -v {}; exec '{}' \"$@\"", mib * 1024, env!("CARGO_BIN_EXE_tweeze"));
         let all: Vec<&str> = ["-c", &limited, "sh"].into_iter().chain(arguments.iter().copied()).collect();
         self.ended(Command::new("sh"), &all)
     }
 
-    /// The names in the folder, hidden ones too.
+    /// The names in the folder, including hidden ones.
     pub fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.folder.path()).expect("a folder").flatten();
         let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();

@@ -1,4 +1,5 @@
-//! Files: those that a build finds in its folder, and those that it leaves there. Kills are tested with the commit, in `cli/disk`.
+//! Files that a build finds in its folder, and files that it leaves there. Kills are tested with the commit, in
+//! `cli/disk`.
 
 use super::bench::{Bench, DONE, FILES, says};
 use std::fs;
@@ -17,13 +18,13 @@ fn files_of_another_program_are_not_replaced_in_silence() {
         says(&refused.err, &["E0806", "was built from another program, `one.twz`", "--force", "-o DIR"]);
     }
     assert_eq!(fs::read(bench.path("go.csv")).expect("still there"), before);
-    // The same program, edited or not, replaces its own.
+    // The same program, edited or not, may replace its own files.
     bench.write("one.twz", format!("{ONE}\n// edited\n"));
     bench.run(&["build", "one.twz", "--emit", "mcap,csv"]).code(DONE);
     bench.run(&["build", "other.twz", "--emit", "mcap,csv", "--force"]).code(DONE);
     says(&bench.run(&["build", "one.twz"]).code(FILES).err, &["`other.twz`"]);
     bench.run(&["build", "one.twz", "-o", "elsewhere"]).code(DONE);
-    // What is gone belongs to nobody.
+    // A deleted file belongs to no program.
     for file in ["go.mcap", "go.lichtblick.json"] {
         fs::remove_file(bench.path(file)).expect("removed");
     }
@@ -44,7 +45,7 @@ fn what_a_build_reads_is_never_replaced() {
         says(&refused.err, &["E0809", "`grid.json`", "-o DIR"]);
     }
     assert_eq!(fs::read_to_string(bench.path("grid.json")).expect("still there"), map);
-    // What it has not read may go.
+    // A file that it has not read may be replaced.
     bench.run(&["build", "board.twz", "--emit", "svg"]).code(DONE);
     bench.run(&["build", "board.twz", "--emit", "json", "-o", "out"]).code(DONE);
 }
@@ -67,7 +68,8 @@ fn leftovers_of_builds_that_were_killed_are_cleared() {
     assert_eq!(bench.names(), [".tweeze.json", "go.lichtblick.json", "go.mcap", "one.twz"]);
 }
 
-/// A journal that came with a folder from elsewhere is not obeyed: neither by a build nor by `verify`, which reads logs of strangers.
+/// A journal that came with a folder from elsewhere is not carried out, neither by a build nor by `verify`, which reads
+/// logs of strangers.
 #[cfg(unix)]
 #[test]
 fn a_journal_from_elsewhere_changes_nothing() {
@@ -90,7 +92,7 @@ fn a_journal_from_elsewhere_changes_nothing() {
     assert_eq!(bench.names(), [".tweeze.json", "a.csv", "go.lichtblick.json", "go.mcap", "one.twz"]);
 }
 
-/// Builds at once wait for one another: each set is of one of them.
+/// Concurrent builds wait for one another, so that each set is of one build.
 #[test]
 fn builds_at_once_leave_whole_sets() {
     let bench = Bench::new();

@@ -1,4 +1,5 @@
-//! Kills and signals at every call that names, writes or synchronises a file: the set that a build leaves is wholly old or wholly new.
+//! Kills and signals at every call that names, writes or synchronises a file: the set of files that a build leaves is
+//! entirely old or entirely new.
 //!
 //! `tests/data/last_call.c`, preloaded, ends the process at a chosen call.
 
@@ -16,27 +17,27 @@ const THIRD: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask third 
 
 const SIGKILL: i32 = 9;
 
-/// The journal, which stands in the folder exactly while the files there may be of two builds.
+/// The journal; it exists in the folder exactly while the files there may be of two builds.
 const JOURNAL: &str = ".tweeze-journal";
 
-/// Files by their names.
+/// Files by name.
 type Set = BTreeMap<String, Vec<u8>>;
 
-/// A folder `out` into which the same two builds are made again and again.
+/// A folder `out` into which the same two builds are made repeatedly.
 struct Scene {
     bench: Bench,
     library: PathBuf,
-    /// What stands there before the build that is ended, and what it would make of it.
+    /// The files before the build that is interrupted, and the files after it.
     old: Set,
     new: Set,
-    /// The calls of that build.
+    /// Number of calls of that build.
     calls: usize,
 }
 
 const BUILD: [&str; 7] = ["build", "new.twz", "--emit", "mcap,csv,json,vcd", "-o", "out", "--force"];
 
 impl Scene {
-    /// Over the set of another program, or in a folder without one.
+    /// A scene with the files of another program in the folder, or with an empty folder.
     fn new(with_old_set: bool) -> Scene {
         let bench = Bench::new();
         bench.write("old.twz", OLD).write("new.twz", NEW).write("third.twz", THIRD);
@@ -61,7 +62,7 @@ impl Scene {
         ("LD_PRELOAD", text(&self.library))
     }
 
-    /// What stands in the folder.
+    /// All files in the folder.
     fn set(&self) -> Set {
         let entries = fs::read_dir(self.bench.path("out")).expect("a folder").flatten();
         let named = |entry: fs::DirEntry| {
@@ -70,12 +71,13 @@ impl Scene {
         entries.map(named).collect()
     }
 
-    /// What stands in the folder as its user sees it: without what a build stages there.
+    /// The files that a user sees: without those that a build stages.
     fn seen(&self) -> Set {
         self.set().into_iter().filter(|(name, _)| !name.starts_with(".tweeze-")).collect()
     }
 
-    /// The new build over the old set, ended by a signal at a call; the set that is then seen, and whether there is a journal.
+    /// Runs the new build over the old set and ends it by a signal at a call; returns the files that are then seen, and
+    /// whether there is a journal.
     fn end(&self, call: usize, signal: i32) -> (Set, bool) {
         let out = self.bench.path("out");
         fs::remove_dir_all(&out).and_then(|()| fs::create_dir(&out)).expect("an empty folder");
@@ -89,7 +91,7 @@ impl Scene {
         (self.seen(), out.join(JOURNAL).exists())
     }
 
-    /// Which of the two sets it is: 0 the old one, 1 the new one.
+    /// Which of the two sets these files are: 0 the old one, 1 the new one.
     #[track_caller]
     fn which(&self, set: &Set, call: usize) -> usize {
         let names: Vec<_> = set.iter().map(|(name, bytes)| (name, bytes.len())).collect();
@@ -108,8 +110,8 @@ fn compile(library: &Path) {
     assert!(status.expect("it starts").success(), "the library is not compiled");
 }
 
-/// After a kill, the files are of one build wherever no journal stands; the next command that looks at them, `verify` or a build of
-/// something else, leaves them of one build always.
+/// After a kill, the files are of one build unless there is a journal. The next command that looks at them, `verify` or
+/// another build, always leaves them of one build.
 #[test]
 fn after_a_kill_at_any_call_the_set_is_old_or_new() {
     if !is_there("cc") {
@@ -132,7 +134,7 @@ fn after_a_kill_at_any_call_the_set_is_old_or_new() {
             assert!(direct.is_none_or(|direct| direct == which), "call {call}");
             assert!(!has_journal || which == 1, "call {call}: a journal makes the set the new one");
             counts[which] += 1;
-            // Another build clears what was staged, and adds its own.
+            // Another build removes what was staged, and adds its own files.
             scene.bench.run(&["build", "third.twz", "--emit", "vcd", "-o", "out"]).code(DONE);
             let mut set = scene.set();
             for name in ["third.vcd", "third.gtkw"] {
@@ -151,7 +153,7 @@ fn after_a_kill_at_any_call_the_set_is_old_or_new() {
     }
 }
 
-/// A signal that can be caught leaves nothing to the next command.
+/// After a signal that can be caught, nothing is left to clean up.
 #[test]
 fn after_a_signal_at_any_call_the_folder_is_clean() {
     if !is_there("cc") {

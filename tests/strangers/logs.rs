@@ -1,4 +1,4 @@
-//! Logs: the verifier is not deceived.
+//! Hostile logs: the verifier is not deceived.
 
 use super::bench::{Bench, DONE, REFUSED, USAGE, found, says};
 use tweeze::check::Options;
@@ -12,7 +12,7 @@ use tweeze::verify::{Verdict, verify_program};
 
 const SETTING: &str = "--set bead_radius=0.01um";
 
-/// A log that drives the tip through a bead which its builder made small.
+/// A log that drives the tip through a bead that its builder declared too small.
 fn built_with_a_small_bead() -> Bench {
     let bench = Bench::new();
     bench.write("lab.twz", found("against-set.twz"));
@@ -43,7 +43,7 @@ fn a_setting_that_only_the_command_line_has_is_named() {
     bench.run(&["verify", "go.mcap", "--against", "lab.twz"]).code(DONE);
     let other = ["verify", "go.mcap", "--against", "lab.twz", "--set", "bead_radius=0.02um"];
     says(&bench.run(&other).code(REFUSED).err, &["E0772", "was built without `--set bead_radius=0.02um`"]);
-    // A setting that says what the program says anyway changes no claim.
+    // A setting equal to the program's own value changes no claim.
     let same = ["verify", "go.mcap", "--against", "lab.twz", "--set", "bead_radius = 1um"];
     bench.run(&same).code(DONE);
 }
@@ -98,7 +98,7 @@ fn safe() -> Remark {
     Remark { subject: "go".to_owned(), text: "guaranteed up to 90 deg/mm".to_owned() }
 }
 
-/// An intact log, except for what it says of its plan.
+/// A log that is intact except for an edit to its plan record.
 fn edit_of(edit: impl Fn(&mut PlanRecord)) -> Vec<u8> {
     let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
     let program = ProgramSource { name: "a.twz", text: HONEST, library: &NoFiles, options: &options };
@@ -139,7 +139,7 @@ fn a_name_forges_no_line_and_commands_no_terminal() {
 
 const HONEST: &str = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n";
 
-/// A log, sound but for the program that it carries, and the settings.
+/// A sound log that carries another program and other settings.
 fn carrying(text: &str, settings: &[&str]) -> Vec<u8> {
     let (mut sources, mut sink, options) = (Sources::default(), Sink::default(), Options::default());
     let program = ProgramSource { name: "a.twz", text: HONEST, library: &NoFiles, options: &options };
@@ -179,7 +179,7 @@ fn what_is_built_can_be_verified_however_deep_it_is_nested() {
     }
 }
 
-/// Programs that run one another beside a wait.
+/// Programs that run one another in parallel with a wait.
 fn groups(deep: usize) -> String {
     let mut text = "use std.dimibot\ndevice bot : dimibot.femto_st\ntask go on bot { move to (1, 1) }\n".to_owned();
     for level in 0..deep {
@@ -199,7 +199,7 @@ fn groups_deeper_than_a_log_can_hold_are_refused_by_the_checker() {
     bench.run(&["verify", "p0.mcap", "--against", "b.twz"]).code(DONE);
 }
 
-/// Names that take little room in a file, and much in memory.
+/// Names that take little space in the file but much memory.
 #[test]
 fn a_log_of_very_many_columns_does_not_fill_the_memory() {
     let columns: std::collections::BTreeMap<String, String> =

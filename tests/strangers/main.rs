@@ -1,6 +1,6 @@
 //! Programs and logs from strangers: attacks on the person who checks, builds or verifies them.
 //!
-//! `tests/found/` has the programs that once succeeded; the first line of each describes it.
+//! `tests/found/` has the programs that once succeeded; the first line of each describes the attack.
 
 mod bench;
 mod files;

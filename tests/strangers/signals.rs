@@ -1,4 +1,4 @@
-//! Signals to a build: how it ends, and the files that it leaves.
+//! Signals sent to a build: how it ends, and which files it leaves.
 
 use super::bench::{Bench, found};
 use super::ignored::{SIGHUP, SIGINT, SIGTERM, is_ignored, mask};
@@ -6,12 +6,12 @@ use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// A build that takes long, started in a folder.
+/// Starts a slow build in a folder.
 fn start(bench: &Bench, wrap: &str) -> Child {
     start_with(bench, wrap, "")
 }
 
-/// The same with more options.
+/// As `start`, with further options.
 fn start_with(bench: &Bench, wrap: &str, options: &str) -> Child {
     bench.write("slow.twz", found("ea_400_parts_gave_up.twz"));
     let line = format!("{wrap} '{}' build slow.twz -o out {options}", env!("CARGO_BIN_EXE_tweeze"));
@@ -25,7 +25,7 @@ fn send(signal: &str, child: &Child) {
     assert!(status.expect("`kill` is there").success());
 }
 
-/// Waits until the build has caught its signals, which the system tells.
+/// Waits until the build has installed its signal handlers, as the system reports.
 #[cfg(target_os = "linux")]
 fn is_ready(child: &mut Child) -> bool {
     for _ in 0..3000 {
@@ -55,7 +55,7 @@ fn a_signal_ends_a_build_as_it_ends_any_program() {
     }
 }
 
-/// The same with `--keep-best`, after a first Ctrl-C: its search has begun, and finds no plan for some seconds.
+/// A build with `--keep-best` after a first Ctrl-C; its search has begun, and finds no plan for some seconds.
 #[cfg(target_os = "linux")]
 fn interrupted(bench: &Bench, options: &str) -> Child {
     let mut child = start_with(bench, "exec", &format!("{options} --keep-best"));
@@ -65,7 +65,7 @@ fn interrupted(bench: &Bench, options: &str) -> Child {
     child
 }
 
-/// With `--keep-best` the first Ctrl-C ends a search once it has a plan, which is verified and written as always.
+/// With `--keep-best` the first Ctrl-C ends a search once it has a plan, which is verified and written as usual.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_best_plan_is_kept_where_that_is_asked_for() {
@@ -102,7 +102,7 @@ fn a_second_signal_ends_a_build_that_would_keep_its_best_plan() {
     assert_eq!(bench.names(), ["slow.twz"]);
 }
 
-/// What its parent has it ignore, as `nohup` does, it goes on ignoring.
+/// A signal that the parent process ignores, as `nohup` does, stays ignored.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_signal_that_is_ignored_stays_ignored() {
@@ -114,7 +114,7 @@ fn a_signal_that_is_ignored_stays_ignored() {
     assert_eq!(child.wait().expect("it ends").signal(), Some(SIGTERM));
 }
 
-/// A shell shows 128 and the number of the signal.
+/// A shell shows 128 plus the number of the signal.
 #[test]
 fn a_shell_sees_the_usual_status() {
     let bench = Bench::new();

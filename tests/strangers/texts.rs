@@ -1,4 +1,4 @@
-//! Programs: whatever a text demands, the answer is a diagnostic, soon and in little memory.
+//! Hostile programs: whatever a text demands, the answer is a diagnostic, in short time and little memory.
 
 use super::bench::{Bench, DONE, ERRORS, found, says};
 
@@ -11,7 +11,7 @@ fn brackets_too_deep_that_end_lines_below_are_reported() {
     }
 }
 
-/// What a text may take in memory, whatever it asks for: the stack of the thread that works and the program itself included.
+/// Memory limit for any text, including the program itself and the stack of the working thread.
 const MIB: u64 = 700;
 
 fn check(text: &str) -> super::bench::Ended {
@@ -44,7 +44,7 @@ fn lists(name: &str, deep: usize) -> String {
 
 #[test]
 fn comparing_lists_has_an_end() {
-    // A list is equal to itself without looking at it; another one must be looked at.
+    // A list is compared with itself by identity; another one must be traversed.
     check(&found("hang-list-equality.twz")).code(DONE);
     let two = format!("{}{}let q = a12 == b12\n", lists("a", 12), lists("b", 12));
     says(&check(&two).code(ERRORS).err, &["E0314", "more than 50000000 steps"]);
@@ -56,7 +56,7 @@ fn lists_are_equal_wherever_they_are_written() {
                 let t = [same, other, 1 == 1]\ndevice b : dimibot.femto_st\ntask t1 on b { move to (1, 1) }\n";
     let bench = Bench::new();
     bench.write("a.twz", text.replace("let t = [same, other, 1 == 1]", "let t = [0][0]"));
-    // `true` is no number: the message shows the value.
+    // `true` is not a number, so the message shows the value.
     bench.write("b.twz", format!("{text}let u = same == true\nlet v = other == true\nlet w = u == v\n"));
     bench.run(&["check", "b.twz"]).code(DONE);
 }
@@ -68,7 +68,7 @@ fn lists_in_lists_are_not_deeper_than_can_be_taken_apart() {
     says(&check(&text).code(ERRORS).err, &["E0207", "more than 64 lists"]);
 }
 
-/// Times of the language reach the clock to the last nanosecond.
+/// Times in the language are exact to the nanosecond in the schedule.
 #[test]
 fn a_wait_lasts_as_long_as_it_says() {
     let bench = Bench::new();
@@ -104,7 +104,7 @@ fn a_loop_that_works_out_a_long_expression_has_an_end() {
     says(&check(&text).code(ERRORS).err, &["E0314"]);
 }
 
-/// A long experiment has a log: 129 bytes that ask for 100,000 moves, each of one module.
+/// A long experiment has a log: 129 bytes of text ask for 100,000 moves, each of one module.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_hundred_thousand_moves_have_a_log_in_little_memory() {

@@ -1,4 +1,4 @@
-//! Shared by the tests of pages and of the corpus: programs in memory, compiled as far as possible.
+//! Programs in memory, compiled as far as possible; shared by the tests of pages and of the corpus.
 
 #![allow(dead_code, reason = "each test uses the part that it needs")]
 
@@ -9,7 +9,7 @@ use tweeze::compile::{ProgramSource, compile};
 use tweeze::diagnostic::Sink;
 use tweeze::source::Sources;
 
-/// A program with the files beside it.
+/// A program and the files beside it.
 #[derive(Clone, Default)]
 pub struct Case {
     pub name: String,
@@ -18,7 +18,7 @@ pub struct Case {
     pub options: Options,
 }
 
-/// Files by name; a path means the same from wherever it is used.
+/// Library of files by name; a path means the same wherever it is used.
 pub struct Shelf<'a>(pub &'a Case);
 
 impl Library for Shelf<'_> {
@@ -37,12 +37,12 @@ impl Case {
         (sources, sink)
     }
 
-    /// What is done with it as a program.
+    /// Calls `act` with the program as the compiler's input.
     pub fn request<T>(&self, act: impl FnOnce(&ProgramSource) -> T) -> T {
         act(&ProgramSource { name: &self.name, text: &self.text, library: &Shelf(self), options: &self.options })
     }
 
-    /// Takes `set=name=value` and `task=name`; anything else is given back.
+    /// Takes `set=name=value` and `task=name` as options; returns any other word.
     pub fn take<'w>(&mut self, word: &'w str) -> Option<&'w str> {
         if let Some(setting) = word.strip_prefix("set=") {
             self.options.settings.push(setting.to_owned());

@@ -1,4 +1,4 @@
-//! Programs as text through the compiler's public interface, for tests of the result.
+//! Compiles programs given as text through the compiler's public interface.
 
 #![allow(dead_code, reason = "each test uses the part that it needs")]
 
@@ -15,12 +15,12 @@ use tweeze::schedule::{ChannelUnit, Schedule};
 use tweeze::source::{Origin, Sources};
 use tweeze::verify::Verified;
 
-/// What became of a program.
+/// Result of compiling a program.
 #[derive(Debug)]
 pub struct Built {
-    /// Every schedule in the order of declaration; empty after an error.
+    /// Every schedule in order of declaration; empty after an error.
     pub schedules: Vec<Verified>,
-    /// The codes of everything that was reported, warnings too, by place.
+    /// The codes of all diagnostics by place, including warnings.
     pub codes: Vec<&'static str>,
     /// Their titles, in the same order.
     pub titles: Vec<String>,
@@ -29,18 +29,18 @@ pub struct Built {
     provenance: Provenance,
 }
 
-/// Where a program that was answered wrongly once is kept.
+/// Path of a program that once got a wrong answer.
 pub fn found_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/found").join(format!("{name}.twz"))
 }
 
-/// Its text.
+/// Text of such a program.
 pub fn found(name: &str) -> String {
     let path = found_path(name);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The files in a folder of the project.
+/// Library of the files in a folder of the project.
 pub struct Folder<'a>(pub &'a Path);
 
 impl Library for Folder<'_> {
@@ -50,7 +50,7 @@ impl Library for Folder<'_> {
     }
 }
 
-/// Compiles a text as far as it goes.
+/// Compiles a text as far as possible.
 pub fn compiled(library: &dyn Library, text: &str) -> (CompileOutcome, Sources, Sink) {
     let options = Options::default();
     let program = ProgramSource { name: "test.twz", text, library, options: &options };
@@ -59,7 +59,7 @@ pub fn compiled(library: &dyn Library, text: &str) -> (CompileOutcome, Sources, 
     (outcome, sources, sink)
 }
 
-/// Compiles a text, whose used files lie in a folder.
+/// Compiles a text whose used files are in a folder.
 pub fn build_in(folder: &Path, text: &str) -> Built {
     let (outcome, sources, sink) = compiled(&Folder(folder), text);
     let (schedules, refused) = match outcome {
@@ -86,7 +86,8 @@ pub fn build(text: &str) -> Built {
 }
 
 impl Built {
-    /// Every file of every format that can hold it: G-code is of stages only, and instruments play what is wired to them.
+    /// Every file of every format that can represent it: G-code is for stages only, and instruments play what is wired
+    /// to them.
     pub fn files(&self) -> Vec<OutputFile> {
         let mut files = Vec::new();
         for verified in &self.schedules {
@@ -111,7 +112,7 @@ impl Built {
                 Format::Opendrop => has_electrodes_alone && protocols.contains(&Protocol::Opendrop),
                 Format::Microdrop => has_electrodes_alone && protocols.iter().any(|protocol| protocol.has_microdrop()),
                 Format::Sheet => carries_droplets(verified),
-                // These have one clock, and cannot wait.
+                // These have a single clock and cannot wait.
                 Format::Csv | Format::Vcd | Format::Pwl => verified.schedule().holds.is_empty(),
                 Format::Mcap | Format::Json | Format::Html | Format::Svg => true,
             };
@@ -124,12 +125,12 @@ impl Built {
     }
 }
 
-/// Whether a magnet or a heater of a driver of electrodes is wired, which only `frames` has among the formats of boards.
+/// Whether a magnet or heater of an electrode driver is wired; of the board formats only `frames` supports them.
 pub fn switches_accessories(schedule: &Schedule) -> bool {
     schedule.bench.drives.values().any(|drive| ["magnet", "heater"].iter().any(|name| drive.output.starts_with(name)))
 }
 
-/// Whether a board of the schedule carries droplets, whose electrodes lie one under each.
+/// Whether a board of the schedule carries droplets, each on a single electrode.
 pub fn carries_droplets(verified: &Verified) -> bool {
     verified.claims().jobs.iter().any(|job| {
         let board = ElectrodeArrayOrder::of(&job.order);
@@ -137,7 +138,7 @@ pub fn carries_droplets(verified: &Verified) -> bool {
     })
 }
 
-/// What is said of a text that uses no file beside it: the codes, and the helps where there are any.
+/// The codes and helps of a text that uses no other file.
 pub fn complaints(text: &str) -> (Vec<&'static str>, Vec<String>) {
     let (_, _, sink) = compiled(&NoFiles, text);
     let sorted = sink.sorted();

@@ -1,19 +1,19 @@
-//! The random numbers of tests and benchmarks, for the crate's own tests too.
+//! Random numbers for tests and benchmarks, including the crate's own tests.
 
 #![allow(dead_code, reason = "each test uses the part that it needs")]
 
 use tweeze::random::SplitMix64;
 
-/// A stream of numbers whose draws are remainders, on which counts in tests depend.
+/// A random stream whose draws are remainders; exact counts in tests depend on this.
 pub struct Random(SplitMix64);
 
-/// How many random cases a test looks at; `TWEEZE_ORACLE_CASES` says another number.
+/// Number of random cases of a test; `TWEEZE_ORACLE_CASES` overrides it.
 pub fn cases<T: std::str::FromStr>(usual: T) -> T {
     std::env::var("TWEEZE_ORACLE_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
 impl Random {
-    /// The stream of a seed.
+    /// The stream with a seed.
     pub fn new(seed: u64) -> Random {
         Random(SplitMix64::new(seed))
     }
@@ -43,17 +43,17 @@ impl Random {
         self.below(100) < percent
     }
 
-    /// A number from 0 to 1, the latter left out.
+    /// A number in 0..1, excluding 1.
     pub fn unit(&mut self) -> f64 {
         self.0.unit()
     }
 
-    /// A number from `low` to `high`, the latter left out.
+    /// A number in `low..high`.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + self.unit() * (high - low)
     }
 
-    /// A number of thousandths in `from..to`, so that its text is exact.
+    /// A multiple of 0.001 in `from..to`, so that its text is exact.
     pub fn thousandths(&mut self, from: f64, to: f64) -> f64 {
         let steps = ((to - from) * 1000.0) as u32;
         ((from * 1000.0).round() + f64::from(self.below(steps.max(1)))) / 1000.0

@@ -1,5 +1,5 @@
-//! No circle of files: each file of `src` stands above all that it imports. A `mod.rs` and its own children count as one house: what they
-//! take from each other is left out.
+//! No import cycles: each file of `src` is above all files that it imports. A `mod.rs` and its own children count as
+//! one unit, and imports between them are ignored.
 
 use super::{is_test_file, sources, without_tests, word_at};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -12,7 +12,7 @@ fn module(path: &str) -> Module {
     path.split('/').map(str::to_owned).collect()
 }
 
-/// The code without its `use` items, and these items without `use`.
+/// The code without its `use` items, and the trees of these items.
 fn split_uses(code: &str) -> (String, Vec<String>) {
     let (mut rest, mut uses) = (String::new(), Vec::new());
     for item in code.split_inclusive(';') {
@@ -37,7 +37,7 @@ fn split_uses(code: &str) -> (String, Vec<String>) {
     (rest, uses)
 }
 
-/// The paths of a `use` without blanks: `a::{b, c::{d, e}}` has three.
+/// The paths of a `use` tree without spaces: `a::{b, c::{d, e}}` has three.
 fn spread(tree: &str) -> Vec<String> {
     let Some((head, group)) = tree.split_once('{') else { return vec![tree.to_owned()] };
     let group = group.strip_suffix('}').unwrap_or(group);
@@ -91,7 +91,7 @@ fn file_of(path: &[String], from: &Module, files: &BTreeSet<Module>) -> Option<M
     files.contains(&at).then_some(at)
 }
 
-/// The shortest circle of files through some file; empty where there is none.
+/// The shortest import cycle; empty if there is none.
 fn circle(texts: &[(String, String)]) -> Vec<String> {
     let files: BTreeSet<Module> = texts.iter().map(|(path, _)| module(path)).collect();
     let imports = |(path, text): &(String, String)| {

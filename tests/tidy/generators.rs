@@ -1,15 +1,15 @@
-//! One generator of random numbers: no file but its own mixes bits for one.
+//! One random number generator: no other file mixes bits for one.
 
 use super::{code, rust};
 
 /// The only file with a generator.
 const GENERATOR: &str = "src/random.rs";
 
-/// What only generators hold, in small letters and without `_`: SplitMix64, the constants of Knuth and of Numerical Recipes, and xorshift.
-/// The golden ratio alone also spreads the keys of hash tables.
+/// Constants that only generators contain, in lower case and without `_`: SplitMix64, the constants of Knuth and of
+/// Numerical Recipes, and xorshift. The golden ratio is not listed, because it also spreads the keys of hash tables.
 const SIGNS: [&str; 4] = ["0xbf58476d1ce4e5b9", "6364136223846793005", "1664525", "<< 13;"];
 
-/// Files that keep a generator of their own, and why.
+/// Files that keep their own generator, and why.
 const EXCEPTIONS: [(&str, &str); 4] = [
     (
         "src/check/microrobots/relays/tests/oracle.rs",

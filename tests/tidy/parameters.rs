@@ -1,4 +1,4 @@
-//! Parameters of functions have names: none is a tuple that is taken apart in the list.
+//! Parameters of functions have names: none is a tuple pattern in the parameter list.
 
 use super::{code, rust};
 
@@ -9,7 +9,7 @@ fn parameter_lists(code: &str) -> Vec<(&str, &str)> {
     let lists = heads.filter_map(|(at, _)| {
         let rest = &code[at + "fn ".len()..];
         let name = &rest[..rest.find(|c: char| !(c.is_alphanumeric() || c == '_'))?];
-        // Behind the type parameters, whose bounds may have parentheses of their own.
+        // Skips the type parameters, whose bounds may contain parentheses.
         let mut angles = 0;
         let begin = rest.char_indices().find_map(|(at, c)| {
             angles += i32::from(c == '<') - i32::from(c == '>' && !rest[..at].ends_with('-'));
@@ -25,7 +25,8 @@ fn parameter_lists(code: &str) -> Vec<(&str, &str)> {
     lists.collect()
 }
 
-/// Whether one of these parameters is a pattern in parentheses. What a property test draws, `(a, b) in …`, is none.
+/// Whether one of these parameters is a pattern in parentheses. The draws of a property test, `(a, b) in …`, do not
+/// count.
 fn takes_a_tuple_apart(parameters: &str) -> bool {
     let (mut depth, mut begin) = (0, Some(0));
     parameters.char_indices().any(|(at, c)| {

@@ -1,25 +1,25 @@
-//! Which room of the house sees which.
+//! Which room (top-level module) may use which others.
 
 use super::{is_test_file, sources, without_tests};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The base: seen by everybody, sees nothing but itself.
+/// The base rooms: every room may use them, and they use only each other.
 pub const BASE: [&str; 7] = ["source", "real", "random", "quantity", "geometry", "diagnostic", "device"];
 
-/// What each other room may see besides the base. `plan` is never in reach of `verify`, and nobody sees `cli`.
+/// The other rooms that each room may use besides the base. `verify` never reaches `plan`, and nothing uses `cli`.
 pub const SIGHT: &[(&str, &[&str])] = &[
     ("stdlib", &[]),
     ("syntax", &[]),
     ("format", &["syntax"]),
-    // The contract: what the stages hand to one another.
+    // The contract: data that the stages hand to one another.
     ("claims", &[]),
     ("schedule", &["claims"]),
-    // Side by side on it; none of them sees another.
+    // Stages side by side on the contract; none of them uses another.
     ("check", &["syntax", "stdlib", "claims"]),
     ("plan", &["claims"]),
     ("verify", &["claims", "schedule"]),
     ("log", &["claims", "schedule"]),
-    // What joins them.
+    // Rooms that join the stages.
     ("simulate", &["claims", "plan"]),
     ("lower", &["claims", "plan", "schedule"]),
     ("emit", &["claims", "schedule", "verify", "log"]),
@@ -34,12 +34,12 @@ pub const SIGHT: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// The room of a file: `src/check/mod.rs` lies in `check`.
+/// The room of a file: `src/check/mod.rs` is in `check`.
 pub fn room(path: &str) -> &str {
     path.trim_start_matches("src/").trim_end_matches(".rs").split('/').next().unwrap_or_default()
 }
 
-/// The rooms that a text names after `crate::`, in `use` groups too.
+/// The rooms that a text names after `crate::`, also in `use` groups.
 pub fn seen_rooms(code: &str) -> BTreeSet<String> {
     let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let mut rooms = BTreeSet::new();
@@ -78,7 +78,7 @@ fn rooms_see_only_what_they_may() {
             continue;
         }
         for seen in seen_rooms(&without_tests(&text)) {
-            // Names of the crate's own root are macros, and not rooms.
+            // Other names in the crate's root are macros, not rooms.
             let is_room = BASE.contains(&seen.as_str()) || sight.contains_key(seen.as_str());
             let allowed = seen == room
                 || BASE.contains(&seen.as_str())
@@ -88,7 +88,7 @@ fn rooms_see_only_what_they_may() {
     }
 }
 
-/// The most rooms on the longest way down, from `cli` to those that see nobody.
+/// Greatest number of rooms on the longest dependency chain, from `cli` to those that use no other.
 const MAX_FLOORS: usize = 8;
 
 #[test]
@@ -97,7 +97,7 @@ fn the_house_has_few_floors() {
     for (path, text) in sources().into_iter().filter(|(path, _)| !is_test_file(path)) {
         sight.entry(room(&path).to_string()).or_default().extend(seen_rooms(&without_tests(&text)));
     }
-    // Rooms by their floor, from the ground: each pass puts in those that see none but rooms below.
+    // Rooms by level, from the bottom: each pass adds those that use only rooms below.
     let mut built: BTreeSet<String> = BTreeSet::from(["lib".to_string(), "main".to_string()]);
     let mut floors = 0;
     while built.len() < sight.len() {

@@ -1,4 +1,4 @@
-//! `tweeze devices`: the kinds, the vocabulary of one of them, the devices of a program, and suggested voltage tables.
+//! `tweeze devices`: the kinds, the vocabulary of one kind, the devices of a program, and suggested voltage tables.
 
 mod program;
 mod vocabulary;
@@ -10,7 +10,7 @@ use crate::device::Kind;
 use crate::device::instrument::Family;
 use std::path::Path;
 
-/// Lists the kinds, all that one offers, or the devices of a program; or finds a table.
+/// Lists the kinds, everything that one kind offers, or the devices of a program; or suggests a voltage table.
 pub fn run(arguments: &DevicesArguments) -> Exit {
     if arguments.suggest.is_some() {
         return report::suggest(arguments);
@@ -38,7 +38,7 @@ pub fn run(arguments: &DevicesArguments) -> Exit {
     Exit::Usage
 }
 
-/// Whether a word is meant as a file and not as a kind.
+/// Whether a word names a file rather than a kind.
 fn is_file(subject: &str) -> bool {
     let path = Path::new(subject);
     path.extension().is_some() || path.components().count() > 1 || path.is_file()

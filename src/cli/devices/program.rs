@@ -18,7 +18,7 @@ pub fn run(file: &Path, arguments: &DevicesArguments) -> Exit {
     };
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let checked = compile::check_program(&loaded.program(&loaded.disk()), &mut sources, &mut sink);
-    // A file of devices alone has nothing to build, and here nothing is to be built.
+    // A file with devices only has nothing to build, which does not matter here.
     terminal::report(&sink.retained(|finding| finding.code != Code::W0503), &sources, arguments.report.format);
     let Some(checked) = checked else { return Exit::Errors };
     let devices: Vec<String> =

@@ -1,11 +1,11 @@
-//! The tables that the checker reads, for people.
+//! The checker's tables, printed for people.
 
 use crate::device::instrument::{AuxiliarySort, Family};
 use crate::device::{Assay, Kind, Together, Verb, Vocabulary, VocabularyField, WordChoice, shape::ShapeForm};
 use crate::quantity::Dimension;
 use std::fmt::Write;
 
-/// The kinds, and where to begin with each.
+/// The kinds, each with a first device to use.
 pub fn kinds() -> String {
     let mut text = String::new();
     for kind in Kind::ALL {
@@ -49,7 +49,7 @@ pub fn kinds() -> String {
     text
 }
 
-/// All that a kind offers.
+/// Everything that a kind offers.
 pub fn page(vocabulary: &'static Vocabulary) -> String {
     let mut page = Page::default();
     page.text(&format!("{}: {}", vocabulary.name, vocabulary.summary));
@@ -84,7 +84,7 @@ pub fn page(vocabulary: &'static Vocabulary) -> String {
     page.text
 }
 
-/// All that a family of instruments offers.
+/// Everything that a family of instruments offers.
 pub fn family_page(family: Family) -> String {
     let mut page = Page::default();
     page.text(&format!("{}: {}", family.name(), family.choice().doc));
@@ -108,7 +108,7 @@ struct Page {
 /// Terms longer than this get a line of their own.
 const TERM_WIDTH: usize = 30;
 
-/// The columns of a page.
+/// Width of a page, in characters.
 const PAGE_WIDTH: usize = 100;
 
 impl Page {
@@ -134,7 +134,7 @@ impl Page {
     }
 }
 
-/// Wraps a text to lines of at most `width` characters, broken at blanks.
+/// Wraps a text to lines of at most `width` characters, broken at spaces.
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split(' ') {

@@ -1,5 +1,5 @@
-//! Which program the files of a folder were built from, in a hidden file beside them: two programs with tasks of one name would
-//! otherwise replace one another's files in silence.
+//! Manifest: a hidden file that records which program each file of a folder was built from. Without it, two programs
+//! with tasks of the same name would silently replace one another's files.
 
 use super::{Destination, errors};
 use crate::diagnostic::Diagnosed;
@@ -20,20 +20,22 @@ pub struct Manifest {
     files: BTreeMap<String, ProgramId>,
 }
 
-/// A program, identified by its place. The place is hashed: a folder that is passed on reveals nothing about the machine.
+/// A program, identified by its location. The location is hashed, so that a folder that is passed on reveals nothing
+/// about the machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct ProgramId {
-    /// The program's file without its folder, for messages.
+    /// File name of the program, for messages.
     program: String,
-    /// SHA-256 of the relative path from the folder to the program, in hexadecimal; of the log where it is known from a log.
+    /// SHA-256 of the relative path from the folder to the program, in hexadecimal; of the path to the log if the
+    /// program is known from a log.
     place: String,
-    /// Whether it is known from a log, which does not know its place.
+    /// Whether the program is known from a log, which does not know the program's location.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     is_logged: bool,
 }
 
 impl Manifest {
-    /// The manifest of a folder; an empty one where there is none.
+    /// The manifest of a folder; empty if there is none.
     pub fn read(folder: &Path) -> Diagnosed<Manifest> {
         let path = folder.join(NAME);
         let unreadable = |error: io::Error| Box::new(errors::bad_manifest(&path, &error.to_string()));
@@ -44,10 +46,10 @@ impl Manifest {
         }
     }
 
-    /// Enters files as built from a program; whether that changes anything.
+    /// Records files as built from a program; returns whether that changes anything.
     ///
     /// # Errors
-    /// A file stands there that was built from another program, and it is not to be replaced.
+    /// A file there was built from another program, and may not be replaced.
     pub fn enter(&mut self, to: &Destination, files: &[OutputFile]) -> Diagnosed<bool> {
         let before = self.files.clone();
         let origin = ProgramId::of(to);
@@ -70,7 +72,7 @@ impl Manifest {
         self.files.get(name).is_some_and(|origin| *origin == ProgramId::of(to))
     }
 
-    /// Its serialised form.
+    /// Serialised form.
     pub fn bytes(&self) -> Vec<u8> {
         let mut bytes = serde_json::to_vec_pretty(self).expect("names are JSON");
         bytes.push(b'\n');
@@ -83,7 +85,7 @@ impl ProgramId {
         let Destination { folder, program, logged, force: _, inputs: _ } = to;
         let named = logged.map_or(*program, Path::new);
         let name = named.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        // Standard input has no place, and some systems cannot resolve places: then the paths as typed are used.
+        // Standard input has no location, and some systems cannot resolve paths; the paths as typed are used then.
         let way = match (folder.canonicalize(), place_of(program)) {
             (Ok(folder), Ok(program)) => way_to(&folder, &program),
             (_, Err(_)) => program.to_path_buf(),
@@ -94,14 +96,15 @@ impl ProgramId {
         ProgramId { program: name, place, is_logged: logged.is_some() }
     }
 
-    /// Whether it is another program. The page of a log and the page of the program of its name may replace each other.
+    /// Whether it is another program. The page of a log and the page of the program with the same name may replace each
+    /// other.
     fn differs_from(&self, other: &ProgramId) -> bool {
         let is_same = (self.is_logged || other.is_logged) && self.program == other.program;
         self.place != other.place && !is_same
     }
 }
 
-/// The place of a program, also of one that is gone from it.
+/// Location of a program, even if it no longer exists.
 fn place_of(program: &Path) -> io::Result<PathBuf> {
     let gone = |error: io::Error| {
         let name = program.file_name().filter(|name| !name.to_string_lossy().starts_with('<')).ok_or(error)?;
@@ -111,7 +114,7 @@ fn place_of(program: &Path) -> io::Result<PathBuf> {
     program.canonicalize().or_else(gone)
 }
 
-/// The relative path from a folder to a file, so that both may be moved together.
+/// Relative path from a folder to a file, so that both can be moved together.
 fn way_to(folder: &Path, file: &Path) -> PathBuf {
     let (from, to): (Vec<Component>, Vec<Component>) = (folder.components().collect(), file.components().collect());
     let shared = from.iter().zip(&to).take_while(|(a, b)| a == b).count();

@@ -1,4 +1,4 @@
-//! Files: reading programs and logs, writing whole sets or nothing.
+//! Files: reads programs and logs, and writes complete sets of files or nothing.
 
 mod commit;
 mod manifest;
@@ -25,7 +25,7 @@ pub fn read_program(path: &Path) -> Diagnosed<String> {
     text_of(path, read_bytes(path, MAX_FILE_BYTES)?)
 }
 
-/// The text of a file; letters with a zero byte beside each are UTF-16, though they are UTF-8, too.
+/// Decodes a file. Alternating zero bytes mean UTF-16, although such bytes are valid UTF-8 too.
 fn text_of(name: &Path, bytes: Vec<u8>) -> Diagnosed<String> {
     let zeros = bytes.first_chunk::<4>().map(|first| first.map(|byte| byte == 0));
     if let Some([false, true, false, true] | [true, false, true, false]) = zeros {
@@ -56,7 +56,7 @@ pub fn read_bytes(path: &Path, limit: usize) -> Diagnosed<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The argument that stands for standard input, and its name in messages and outputs.
+/// The argument for standard input, and the name of standard input in messages and outputs.
 const STANDARD_INPUT: &str = "-";
 const STANDARD_INPUT_NAME: &str = "<stdin>";
 
@@ -65,7 +65,7 @@ pub fn is_standard_input(argument: &Path) -> bool {
     argument.as_os_str() == STANDARD_INPUT
 }
 
-/// Reads the program that an argument stands for, with its path, or the name of standard input.
+/// Reads the program that an argument names; also returns its path, or the name of standard input.
 ///
 /// # Errors
 /// A diagnostic: it cannot be read, is too large, or is not UTF-8.
@@ -87,7 +87,7 @@ fn read_standard_input() -> Diagnosed<String> {
     text_of(name, bytes)
 }
 
-/// The `.twz` files of a folder and of its folders, by path; hidden folders and links to folders are left out.
+/// The `.twz` files in a folder and its subfolders, by path; hidden folders and links to folders are skipped.
 ///
 /// # Errors
 /// A diagnostic: a folder cannot be read.
@@ -111,7 +111,8 @@ pub fn programs_in(folder: &Path) -> Diagnosed<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// Replaces the text of a file at once: whoever reads it finds the old text or the new one. Its permissions stay, and a link to it does.
+/// Replaces the text of a file atomically: a reader finds the old text or the new one. Its permissions are kept, and so
+/// is a link to it.
 ///
 /// # Errors
 /// A diagnostic: the file is read-only, or its folder cannot be written to.
@@ -133,21 +134,21 @@ fn replaced(path: &Path, text: &str) -> io::Result<()> {
     file.persist(&target).map(drop).map_err(|error| error.error)
 }
 
-/// Target of a set of files.
+/// Destination of a set of files.
 pub struct Destination<'a> {
     pub folder: &'a Path,
     /// The program that the files are built from, or the log that they show.
     pub program: &'a Path,
-    /// Of a log: the program that it was built from, by the name that the log has for it.
+    /// For a log: the name in the log of the program that it was built from.
     pub logged: Option<&'a str>,
     /// Whether files of other programs are replaced.
     pub force: bool,
-    /// Files that were read for it, which are never replaced.
+    /// Input files, which are never replaced.
     pub inputs: &'a Glances,
 }
 
 impl Destination<'_> {
-    /// The first of some files that would replace one that was read.
+    /// The first of some output files that would replace an input file.
     fn replaced_input(&self, files: &[OutputFile]) -> Option<PathBuf> {
         let inputs: Vec<PathBuf> = self.inputs.files().filter_map(|input| input.canonicalize().ok()).collect();
         let mut paths = files.iter().map(|file| shown(self.folder, &file.name));
@@ -155,13 +156,13 @@ impl Destination<'_> {
     }
 }
 
-/// Where a file of a folder stands, as the user would write it.
+/// Path of a file in a folder, as the user would write it.
 pub fn shown(folder: &Path, name: &str) -> PathBuf {
     if folder == Path::new(".") { PathBuf::from(name) } else { folder.join(name) }
 }
 
-/// Writes a set of files into a folder: all of them, or none; see [`commit`] for the effect of a kill. Files that another program was
-/// built to are replaced only if that is requested.
+/// Writes a set of files into a folder: all of them or none; see [`commit`] for the effect of a kill. Files that were
+/// built from another program are replaced only if requested.
 ///
 /// # Errors
 /// A diagnostic that names the file or folder and why.
@@ -185,7 +186,7 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Diagnosed {
     fs::create_dir_all(folder).map_err(fail(folder))?;
     let written = write_set(to, files);
     if written.is_err() && made {
-        // Only succeeds while it is empty, as intended.
+        // Succeeds only if the folder is empty, as intended.
         let _ = fs::remove_dir(folder);
     }
     *in_place = written.is_ok();
@@ -196,7 +197,7 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Diagnosed {
     written
 }
 
-/// Removes a file of a folder that was built from this program, if it is there.
+/// Removes a file from a folder if it is there and was built from this program.
 ///
 /// # Errors
 /// A diagnostic that names the file or folder and why.
@@ -208,7 +209,8 @@ pub fn remove_own(to: &Destination, name: &str) -> Diagnosed {
     fs::remove_file(&path).map_err(|error| Box::new(errors::unwritable(&path, &error)))
 }
 
-/// Whether files can be written into a folder, or into the nearest one above it that exists: asked before a long search for a plan.
+/// Checks whether files can be written into a folder, or into its nearest existing ancestor, before a long search for a
+/// plan.
 ///
 /// # Errors
 /// A diagnostic that names the folder and why.
@@ -223,7 +225,7 @@ fn no_folder() -> io::Error {
     io::Error::new(io::ErrorKind::NotADirectory, "it is a file, and no folder")
 }
 
-/// Makes a folder with files in it, by their names: whole, or not at all. Folders above it are made too.
+/// Creates a folder with files in it, by name: completely or not at all. Missing parent folders are created.
 ///
 /// # Errors
 /// A diagnostic: something of that name exists, or it cannot be written.
@@ -238,14 +240,14 @@ fn made(folder: &Path, files: &[(&str, String)]) -> io::Result<()> {
     let above = folder.parent().filter(|above| *above != Path::new("")).unwrap_or(Path::new("."));
     fs::create_dir_all(above)?;
     let draft = tempfile::Builder::new().prefix(".tweeze-new-").tempdir_in(above)?;
-    // A temporary folder is for its owner alone; a project is not.
+    // A temporary folder is private to its owner; a project should not be.
     let whole = draft.path().join("whole");
     fs::create_dir(&whole)?;
     files.iter().try_for_each(|(name, text)| fs::write(whole.join(name), text))?;
     fs::rename(&whole, folder)
 }
 
-/// Finishes an interrupted build into the folder of a file, so that all files read there are of one build.
+/// Completes an interrupted build into the folder of a file, so that all files read there are of one build.
 ///
 /// # Errors
 /// A diagnostic: the build cannot be finished, or is not of this folder.

@@ -1,7 +1,7 @@
-//! Sources of used files: the disk, or a log.
+//! Libraries that used files are read from: the disk, or a log.
 //!
-//! Files are named by paths relative to the program's folder, so that outputs do not depend on where a program is stored or how its
-//! path was typed; messages show that path.
+//! Files are named by paths relative to the program's folder, so that outputs do not depend on where a program is
+//! stored or how its path was typed; messages show the path that was typed.
 
 use super::disk;
 use super::glances::Glances;
@@ -12,32 +12,32 @@ use crate::source::{MAX_FILE_BYTES, beside};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// The files round a program on the disk.
+/// Library of the files around a program on the disk.
 pub struct Disk<'a> {
     program: &'a Path,
-    /// The files that were asked for, whether they are there or not, as they were before they were read.
+    /// Snapshots of all requested files, existing or not, taken before they were read.
     asked: RefCell<Glances>,
 }
 
 impl<'a> Disk<'a> {
-    /// The files round the program of a path, as it was typed.
+    /// Library for the program at a path, as it was typed.
     pub fn round(program: &'a Path) -> Self {
         Disk { program, asked: RefCell::default() }
     }
 
-    /// The files that were asked for so far, whether they are there or not, as they were before they were read.
+    /// Snapshots of all files requested so far, existing or not, taken before they were read.
     pub fn asked(&self) -> Glances {
         self.asked.borrow().clone()
     }
 
-    /// The path of a file that is asked for.
+    /// Path of a requested file; records its snapshot.
     fn ask(&self, name: &str) -> PathBuf {
         let path = self.path(name);
         self.asked.borrow_mut().look_at(&path);
         path
     }
 
-    /// The name of the program itself: its file name.
+    /// Name of the program itself: its file name.
     pub fn program_name(&self) -> String {
         self.program.file_name().unwrap_or(self.program.as_os_str()).to_string_lossy().into_owned()
     }
@@ -80,12 +80,12 @@ impl Library for Disk<'_> {
     }
 }
 
-/// The text of a binary file of triangles.
+/// Text form of a binary mesh file.
 fn mesh_text(bytes: &[u8]) -> Result<String, FileFault> {
     Mesh::read(bytes).map(|mesh| mesh.to_text()).map_err(|fault| FileFault::NoSurface(fault.to_string()))
 }
 
-/// The files that a log carries.
+/// Library of the files that a log contains.
 pub struct Embedded<'a>(pub &'a [(String, String)]);
 
 impl Library for Embedded<'_> {

@@ -1,4 +1,4 @@
-//! Files of triangles come as text, whatever they are on the disk.
+//! Mesh files are read as text, even if they are binary on the disk.
 
 use super::{Disk, Embedded};
 use crate::check::imports::{FileFault, Library};
@@ -6,7 +6,7 @@ use crate::geometry::mesh::Mesh;
 
 const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.3]];
 
-/// A tetrahedron as a binary file.
+/// A tetrahedron as a binary mesh.
 fn binary() -> Vec<u8> {
     let mut bytes = vec![0u8; 80];
     bytes.extend(4u32.to_le_bytes());

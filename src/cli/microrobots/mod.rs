@@ -1,4 +1,4 @@
-//! Commands that only beds of microrobots have: `tweeze simulate`, `tweeze control`, and `tweeze verify` of a recording.
+//! Commands for beds of microrobots only: `tweeze simulate`, `tweeze control`, and `tweeze verify` of a recording.
 
 mod control;
 mod recorded;

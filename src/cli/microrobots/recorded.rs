@@ -1,4 +1,4 @@
-//! `tweeze verify` of the recording of a controlled run.
+//! `tweeze verify` for the recording of a controlled run.
 
 use crate::cli::arguments::{ReportFormat, VerifyArguments};
 use crate::cli::errors::LogOrigin;
@@ -13,11 +13,11 @@ use crate::schedule::control::ControlLine;
 use crate::verify::microrobots::recorded::{self, GoalReached, RecordedRun, Tolerances};
 use serde_json::{Value, json};
 
-/// The report of a recording that was accepted: it is intact, its program has the claims that it contains, and what was commanded and measured
-/// keeps them.
+/// Verifies a recording and returns its report: the recording is intact, its program has the claims that it contains,
+/// and the commands and measurements keep them.
 ///
 /// # Errors
-/// Why it was refused.
+/// The refusal.
 pub fn judge(arguments: &VerifyArguments, bytes: &[u8]) -> Result<String, Box<Refusal>> {
     let path = &arguments.file;
     let recording = log::read_recording(bytes).map_err(|error| Refusal::one(error.diagnostic(), Exit::Files))?;
@@ -46,7 +46,7 @@ pub fn judge(arguments: &VerifyArguments, bytes: &[u8]) -> Result<String, Box<Re
     })
 }
 
-/// Judges the lines; the messages point into the files of the claims.
+/// Judges the lines; messages point into the files of the claims.
 fn judged(arguments: &VerifyArguments, lines: &[&ControlLine], derived: Derived) -> Result<RecordedRun, Box<Refusal>> {
     let granted = &arguments.tolerances;
     let tolerances = Tolerances {
@@ -107,7 +107,7 @@ fn as_text(
     text
 }
 
-/// How near a goal was reached.
+/// Distance at which a goal was reached, with the limit.
 fn near(goal: &GoalReached) -> String {
     let place = if goal.is_docked { "its place in the structure" } else { "its goal" };
     let [off, may] = [goal.off_um, goal.allowed_um].map(rounded);
@@ -115,7 +115,7 @@ fn near(goal: &GoalReached) -> String {
     format!("{off} um of {may} um and {turned} deg of {may_turn} deg off {place}")
 }
 
-/// To two decimals, enough beside the errors of measurements.
+/// Rounds to two decimals, which is precise enough beside measurement errors.
 fn rounded(value: f64) -> String {
     digits(to_decimals(value, 2))
 }

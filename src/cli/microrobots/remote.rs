@@ -1,4 +1,4 @@
-//! A controller in another process, asked over a socket: `tweeze control` as a user runs it.
+//! Controller in another process, reached over a socket: `tweeze control` as a user runs it.
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
@@ -12,15 +12,15 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-/// What standard error says before the address.
+/// Text before the address on standard error.
 const LISTENING: &str = "listening at ";
 
-/// What the controller is told to control.
+/// Arguments of the controller.
 pub struct RemoteTask<'a> {
     pub file: &'a Path,
     pub task: &'a str,
     pub settings: &'a [String],
-    /// Where it records the exchange.
+    /// Path of the recording.
     pub record: Option<&'a Path>,
 }
 
@@ -38,7 +38,7 @@ impl<'a> RemotePilot<'a> {
     /// Starts a controller and connects to it.
     ///
     /// # Errors
-    /// What went wrong, for people.
+    /// A message that says what went wrong.
     pub fn start(order: &'a MicrorobotsOrder, task: &RemoteTask) -> Result<Self, String> {
         let own = std::env::current_exe().map_err(|error| format!("the path of tweeze is unknown: {error}"))?;
         let settings = task.settings.iter().flat_map(|setting| ["--set", setting]);
@@ -65,14 +65,14 @@ impl<'a> RemotePilot<'a> {
         }
     }
 
-    /// The line of a measurement.
+    /// Measurement as a line of the protocol.
     fn line(&self, measured: &[Option<Pose>], now_ns: u64) -> String {
         let pose = |(robot, pose): (usize, &Option<Pose>)| {
             (self.order.robot(robot).name.clone(), pose.map(RecordedPose::from))
         };
         let robots = measured.iter().enumerate().map(pose).collect();
         let line = ControlLine::Measured(MeasuredLine { t_ns: now_ns, robots });
-        // Keys are strings and numbers finite, so that writing cannot fail.
+        // Keys are strings and numbers are finite, so serialisation cannot fail.
         format!("{}\n", line.written().unwrap_or_default())
     }
 
@@ -83,7 +83,7 @@ impl<'a> RemotePilot<'a> {
         serde_json::from_str(&answer).ok()
     }
 
-    /// The segments of an answer; `None` if it names a state that the device does not have.
+    /// Takes the segments of an answer; `None` if it names a state that the device does not have.
     fn take_segments(&mut self, segments: &[SegmentLine]) -> Option<()> {
         self.segments.clear();
         for SegmentLine { state, levels_v, strokes } in segments {
@@ -130,7 +130,7 @@ impl Pilot for RemotePilot<'_> {
 
 impl Drop for RemotePilot<'_> {
     fn drop(&mut self) {
-        // Without its connection it ends by itself, and its recording is whole.
+        // Without its connection the controller ends on its own, with a complete recording.
         let _ = self.answers.get_ref().shutdown(Shutdown::Both);
         let begun = Instant::now();
         while matches!(self.child.try_wait(), Ok(None)) && begun.elapsed() < ENDING {
@@ -140,17 +140,17 @@ impl Drop for RemotePilot<'_> {
     }
 }
 
-/// So long a controller may take to end its recording once nobody measures any more.
+/// Longest time that a controller may take to end its recording after the last measurement.
 const ENDING: Duration = Duration::from_secs(5);
 
-/// Ends a controller that has not ended by itself.
+/// Kills a controller that has not ended on its own.
 fn end(child: &mut Child) {
-    // It may be over already; then there is nothing to end.
+    // It may have ended already.
     let _ = child.kill();
     let _ = child.wait();
 }
 
-/// The connection to a controller, after its greeting.
+/// Connects to a controller and reads its greeting.
 fn connected(child: &mut Child) -> Result<BufReader<TcpStream>, String> {
     let stderr = child.stderr.take().ok_or("the controller has no standard error")?;
     let mut stderr = BufReader::new(stderr);
@@ -165,7 +165,7 @@ fn connected(child: &mut Child) -> Result<BufReader<TcpStream>, String> {
             },
         }
     };
-    // What else it says must not stop it by a full pipe.
+    // Drained, because a full pipe would block the controller.
     std::thread::spawn(move || std::io::copy(&mut stderr, &mut std::io::sink()));
     let failed = |error: std::io::Error| format!("the controller cannot be reached at {address}: {error}");
     let stream = TcpStream::connect(&address).map_err(failed)?;

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use std::io;
 use std::path::Path;
 
-/// Runs the assemblies of a program against robots and measurements with errors.
+/// Simulates the assemblies of a program with imperfect robots and measurements.
 pub fn run(arguments: &SimulateArguments) -> Exit {
     if arguments.record.is_some() && arguments.trials != 1 {
         terminal::to_stderr("tweeze: `--record` is of a single trial: add `--trials 1`\n");
@@ -52,7 +52,7 @@ pub fn run(arguments: &SimulateArguments) -> Exit {
     }
 }
 
-/// Why a recording cannot be begun at a path, as far as that can be told without writing: the controller creates the file.
+/// Why a path cannot be recorded to, as far as can be checked without writing; the controller creates the file.
 fn unrecordable(path: &Path) -> Option<io::Error> {
     if path.symlink_metadata().is_ok() {
         return Some(io::ErrorKind::AlreadyExists.into());
@@ -61,15 +61,15 @@ fn unrecordable(path: &Path) -> Option<io::Error> {
     folder.metadata().err()
 }
 
-/// Why there are no outcomes.
+/// Why there are no results.
 enum NoTrials {
-    /// The program is none that a controller runs.
+    /// The program is not one that a controller runs.
     NotControlled(String),
-    /// A controller could not be asked.
+    /// A controller could not be reached.
     Fault(String),
 }
 
-/// Outcomes of each assembly; `None` after an error of the program.
+/// Simulates each assembly; `None` after an error in the program.
 fn simulated(
     program: &ProgramSource,
     arguments: &SimulateArguments,
@@ -92,7 +92,7 @@ fn simulated(
     Ok(is_whole.then_some(lines))
 }
 
-/// Outcomes of one assembly of the schedule of a name; `None` if there is none, or if the device does not bound its errors.
+/// Simulates one assembly; `None` if the job is not an assembly or the device has no error bounds.
 fn one(
     claims: &Claims,
     job: &Job,
@@ -119,7 +119,7 @@ fn one(
     Some(Ok(format!("{}{}{}", summary(&job.task, seed, &report), dockings(&report), failures(&report, &line))))
 }
 
-/// The trials of an assembly by controllers in processes of their own, one for each.
+/// Runs the trials against controllers in other processes, one process per trial.
 fn against(
     claims: &Claims,
     job: &Job,
@@ -147,13 +147,13 @@ fn against(
     Some(trials.map(|trials| bed.report(&trials)).map_err(NoTrials::Fault))
 }
 
-/// The line of a step in the program's text, counted from 1.
+/// Line of a step in the program's text, from 1.
 fn step_line(job: &Job, step: usize, sources: &Sources) -> Option<u32> {
     let order = MicrorobotsOrder::of(&job.order)?;
     order.steps.get(step).map(|step| sources.position(step.span).line)
 }
 
-/// The report as one JSON object.
+/// The report as a JSON object.
 fn json(task: &str, seed: u64, report: &SimulationReport, line: &dyn Fn(usize) -> Option<u32>) -> Value {
     let name = |robot: usize| report.names[robot].as_str();
     let docking = |docking: &Dockings| {
@@ -208,7 +208,7 @@ fn summary(task: &str, seed: u64, report: &SimulationReport) -> String {
     format!("{line}{}{}", below(&format!("time of those: {time} s (mean, 95 %, longest)")), below(&area))
 }
 
-/// A row for each robot, each figure as its mean, the 95th percentile and the largest.
+/// A row for each robot; each figure as its mean, 95th percentile and maximum.
 fn dockings(report: &SimulationReport) -> String {
     let heading = ["robot", "docked", "across [um]", "along [um]", "incidence [deg]", "heading [deg]"];
     let degrees = 180.0 / std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! What people read of a DiMiBot's plan.
+//! Report of plans for DiMiBots.
 
 use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun};
 use crate::claims::Claims;
@@ -10,6 +10,8 @@ use crate::schedule::{State, TimedState};
 use std::ops::RangeInclusive;
 
 impl ReportedOrder for DimibotOrder {
+    /// The order in which each `visit` reaches its places, the distance of the cells taken for places from these places, and
+    /// the time spent waiting for other robots.
     fn notes(&self, run: &ReportedRun) -> Vec<Note> {
         let visits = run.steps.iter().zip(&self.steps).filter_map(|(step, claim)| match &claim.action {
             DimibotAction::Visit(stops) => Some(visited(stops, &run.plan.states, step.start_ns..=step.end_ns())),
@@ -29,8 +31,8 @@ impl ReportedDevice for DimibotFacts {
     }
 }
 
-/// In which order each `visit` comes to its places, and how far the cells that were taken for places lie from them.
-/// Time that a robot waits for others: neither pulse nor rest nor a wait of the task.
+/// Note on the time that a robot waits for others: the duration of its steps other than waits of the task, without the
+/// pulses and rests.
 fn waits(run: &ReportedRun, order: &DimibotOrder) -> Option<String> {
     let moving =
         run.steps.iter().zip(&order.steps).filter(|(_, claim)| !matches!(claim.action, DimibotAction::Wait(_)));
@@ -42,9 +44,9 @@ fn waits(run: &ReportedRun, order: &DimibotOrder) -> Option<String> {
     (idle_ns > 0).then(|| format!("`{}` waits {idle} to let others pass", run.plan.device))
 }
 
-/// The stops in the order in which states of a stretch of time first stand at them.
+/// The stops of a `visit`, in the order in which states of an interval first reach them.
 fn visited(stops: &[DimibotStop], states: &[TimedState], during: RangeInclusive<u64>) -> String {
-    // The state in which the stretch begins may be older than it.
+    // The state at the beginning of the interval may be older than it.
     let before = states.iter().rev().find(|state| state.t_ns <= *during.start());
     let within = states.iter().filter(|state| during.contains(&state.t_ns));
     let mut order: Vec<LatticeCell> = Vec::new();

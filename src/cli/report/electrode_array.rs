@@ -1,4 +1,4 @@
-//! What people read of an electrode array.
+//! Report of plans for electrode arrays.
 
 use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, length};
 use crate::claims::Claims;
@@ -9,7 +9,7 @@ use crate::schedule::State;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl ReportedOrder for ElectrodeArrayOrder {
-    /// The droplets that cross a heater at which they are not to be heated.
+    /// The droplets that cross a heater outside their own heating operation.
     fn notes(&self, run: &ReportedRun) -> Vec<Note> {
         let temperatures_k = temperatures_k(self);
         let heaters = temperatures_k.iter().filter_map(|(zone, k)| Some((self.zones.get(*zone)?, *k)));
@@ -18,13 +18,14 @@ impl ReportedOrder for ElectrodeArrayOrder {
     }
 }
 
-/// The heaters in use, by the indices of their zones, each with its temperature.
+/// The heaters in use, by zone index, each with its temperature in kelvin.
 fn temperatures_k(order: &ElectrodeArrayOrder) -> BTreeMap<usize, f64> {
     let operations = order.steps.iter().flat_map(|step| step.action.operations());
     operations.flat_map(|one| one.zone_stays()).filter_map(|stay| Some((stay.zone, stay.temperature_k?))).collect()
 }
 
-/// A line for each droplet that is over a heater while no operation heats it: how warm that is, and since when and how long it is there.
+/// A line for each droplet that is over a heater while no operation heats it there: temperature, total time and first
+/// instant.
 fn crossings(order: &ElectrodeArrayOrder, run: &ReportedRun, heater: &BoardZone, k: f64) -> Vec<String> {
     let mut heated: BTreeMap<&str, Vec<[u64; 2]>> = BTreeMap::new();
     for (asked, step) in order.steps.iter().zip(&run.steps) {
@@ -61,7 +62,7 @@ fn parts_of<'r>(run: &'r ReportedRun) -> BTreeSet<&'r str> {
     states.flatten().collect()
 }
 
-/// From when until when a part is on electrodes of a zone, without a break.
+/// Intervals in which a part is on electrodes of a zone without a break.
 fn stays(run: &ReportedRun, part: &str, zone: &BoardZone) -> Vec<[u64; 2]> {
     let ends = run.plan.states.iter().skip(1).map(|timed| timed.t_ns);
     let ends = ends.chain([run.plan.end_ns()]);

@@ -1,4 +1,4 @@
-//! What people read of a plan for a hand.
+//! Report of plans for hands.
 
 use super::{Note, ReportTopic, ReportedDevice, ReportedOrder, ReportedRun, length, reached};
 use crate::claims::Claims;
@@ -8,6 +8,7 @@ use crate::quantity::{Quantity, digits, to_decimals};
 use std::collections::BTreeMap;
 
 impl ReportedOrder for FingersOrder {
+    /// How the part was sampled, and the planner's remarks.
     fn notes(&self, run: &ReportedRun) -> Vec<Note> {
         let sections = Plane::ALL.into_iter().filter_map(|plane| Some(contacts(plane, self.part.section(plane)?)));
         let contacts = format!("{}: {}", self.part.name, sections.collect::<Vec<_>>().join(", "));
@@ -18,7 +19,7 @@ impl ReportedOrder for FingersOrder {
 }
 
 impl ReportedDevice for FingersFacts {
-    /// A line for the hand, and one for each part.
+    /// One line for the hand and one for each part.
     fn describe(&self, name: &str, claims: &[Claims]) -> String {
         let (fingers, tip) = (self.fingers, length(self.tip_radius_um));
         let step = digits(360.0 / f64::from(self.steps_per_turn));
@@ -37,7 +38,7 @@ impl ReportedDevice for FingersFacts {
     }
 }
 
-/// The parts that tasks of a hand turn, by name.
+/// The parts that tasks turn with a hand, by name, each with its contacts.
 fn parts(device: &str, claims: &[Claims]) -> BTreeMap<String, String> {
     let jobs = claims.iter().flat_map(|claims| &claims.jobs).filter(|job| job.device == device);
     let mut parts = BTreeMap::new();
@@ -56,8 +57,7 @@ fn parts(device: &str, claims: &[Claims]) -> BTreeMap<String, String> {
     parts
 }
 
-/// How a part was sampled, and what the planner has to say.
-/// `74 in xy (I 1, J 38)`.
+/// Contacts of a section, with the first one and the one opposite to it: `74 in xy (I 1, J 38)`.
 fn contacts(plane: Plane, section: &Section) -> String {
     let ends = section.opposite.map_or_else(|| "I 1".to_owned(), |opposite| format!("I 1, J {opposite}"));
     format!("{} in {} ({ends})", section.contacts, plane.name())

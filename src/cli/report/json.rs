@@ -1,4 +1,4 @@
-//! Reports of success as JSON, one object in a line.
+//! Reports of success as JSON, one object per line.
 
 use super::WrittenSchedule;
 use crate::check::DeclarationTally;
@@ -11,7 +11,7 @@ use crate::schedule::{PlanRecord, Schedule};
 use crate::verify::Verified;
 use serde_json::{Value, json};
 
-/// The report of `check`, with each schedule and its plans where they were asked for.
+/// The report of `check`, with each schedule and its plans if they were requested.
 pub fn checked(file: &str, tally: DeclarationTally, schedules: Option<&[Verified]>) -> Value {
     let mut report = json!({ "checked": file, "declared": declared(tally) });
     if let Some(schedules) = schedules {
@@ -32,12 +32,12 @@ fn declared(tally: DeclarationTally) -> Value {
     json!({ "devices": devices, "scenes": scenes, "tasks": tasks, "programs": programs })
 }
 
-/// The report of a build that failed, of which a page was written.
+/// The report of a failed build for which a page was written.
 pub fn failed(file: &str, page: &str) -> Value {
     json!({ "failed": file, "files": [page] })
 }
 
-/// The report of `build`: each schedule with its plans, the files written, and the formats that have no form for it.
+/// The report of `build`: each schedule with its plans, the files written, and the formats that cannot represent it.
 pub fn built(file: &str, compiled: &Compiled, settings: &[String], written: &[WrittenSchedule]) -> Value {
     let schedules = compiled.schedules.iter().zip(written);
     let schedules: Vec<Value> = schedules.map(|(verified, written)| schedule(verified, written)).collect();
@@ -60,7 +60,8 @@ fn planned_schedule(verified: &Verified) -> Value {
     report
 }
 
-/// What each step takes and reaches, and each operation where several take place at the same time, by the places where they are written.
+/// Cost and reached values of each step, and of each operation if several run at the same time, with their places in
+/// the source.
 fn steps(verified: &Verified) -> Value {
     let (schedule, claims) = (verified.schedule(), verified.claims());
     let mut entries = Vec::new();
@@ -114,7 +115,7 @@ fn plan(plan: &PlanRecord, order: &Order) -> Value {
     })
 }
 
-/// The report of `verify`; bounds and optimality in a log are left out unless it was planned again.
+/// The report of `verify`; bounds and optimality from the log are omitted unless it was planned again.
 pub fn verified(
     log: &str,
     schedule: &Schedule,

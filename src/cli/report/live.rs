@@ -1,4 +1,4 @@
-//! The report of a build, told line by line as the work goes on.
+//! Live report of a build: prints line by line as the build proceeds.
 
 use super::{Detail, WrittenSchedule, checked, planned, subjects, verified, width, wrote};
 use crate::check::Checked;
@@ -19,56 +19,56 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What is being built, as far as its report needs to know.
+/// What the report needs to know of the build.
 pub struct ReportedBuild<'a> {
     pub program: &'a Path,
     pub settings: &'a [String],
     pub output: &'a Path,
     pub formats: &'a BTreeSet<Format>,
-    /// Whether its lines are wanted at all.
+    /// Whether lines are printed at all.
     pub is_printed: bool,
-    /// Whether all of them are, and what was searched.
+    /// Whether all lines are printed, with the search effort.
     pub detail: Detail,
 }
 
-/// The report of a build that goes on.
+/// The report of a running build.
 pub struct LiveReport<'a> {
     build: ReportedBuild<'a>,
     search: Arc<SearchWatch>,
     waiting: Option<ProgressLine>,
-    /// Since when a run is being planned.
+    /// Since when a run has been planned.
     planned: Option<Instant>,
-    /// What was searched for each run of a schedule.
+    /// Search effort for each run of the current schedule.
     searched: Vec<String>,
-    /// Columns of the names.
+    /// Width of the column of names.
     width: usize,
     exit: Exit,
 }
 
 impl<'a> LiveReport<'a> {
-    /// Waits for the first news.
+    /// Starts the report and its progress line.
     pub fn begin(build: ReportedBuild<'a>) -> LiveReport<'a> {
         let search = Arc::<SearchWatch>::default();
         let waiting = Some(ProgressLine::begin(&search));
         LiveReport { build, search, waiting, planned: None, searched: Vec::new(), width: 0, exit: Exit::Done }
     }
 
-    /// What its searches are watched by.
+    /// The watch of its searches.
     pub fn search(&self) -> Arc<SearchWatch> {
         Arc::clone(&self.search)
     }
 
-    /// The end of all planning: the line that shows its progress goes.
+    /// Ends all planning and removes the progress line.
     pub fn end_planning(&mut self) {
         self.waiting = None;
     }
 
-    /// Nothing is written; the exit status is that of the report itself.
+    /// Ends the report without files written; returns the exit status of printing it.
     pub fn end(self) -> Exit {
         self.exit
     }
 
-    /// Everything is written: the last lines; the exit status is that of the report itself.
+    /// Prints the last lines once everything is written; returns the exit status of printing the report.
     pub fn wrote(mut self, schedules: &[Verified], written: &[WrittenSchedule]) -> Exit {
         self.width = self.width.max(width(written.iter().flat_map(WrittenSchedule::names)));
         for (verified, written) in schedules.iter().zip(written) {
@@ -89,7 +89,7 @@ impl<'a> LiveReport<'a> {
         self.exit = self.exit.max(exit);
     }
 
-    /// Notes what was searched for the run that was planned last; how long that took is told on a terminal alone.
+    /// Records the search effort of the run that was planned last; the time is shown only on a terminal.
     fn note_searched(&mut self) {
         let Some(begin) = self.planned.take() else { return };
         let mut text = match self.search.news().steps {
@@ -106,7 +106,7 @@ impl<'a> LiveReport<'a> {
         self.build.program.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
     }
 
-    /// The columns of all names that are known before anything is planned.
+    /// Width of all names that are known before planning.
     fn known_width(&self, claims: &[Claims]) -> usize {
         let endings = || self.build.formats.iter().flat_map(|format| format.endings());
         let shown = |name: &str, ending: &str| disk::shown(self.build.output, &format!("{name}.{ending}"));
@@ -128,7 +128,7 @@ impl CompileObserver for LiveReport<'_> {
     fn planning(&mut self, index: usize, count: usize, task: &str) {
         self.note_searched();
         if index == 0 {
-            // Of a schedule that has no plan.
+            // The effort of a schedule that got no plan.
             self.searched.clear();
         }
         self.planned = Some(Instant::now());
@@ -154,7 +154,7 @@ impl CompileObserver for LiveReport<'_> {
     }
 }
 
-/// What came of all programs of one build.
+/// Totals over all programs of one build.
 pub struct Totals {
     begin: Instant,
     asked: usize,
@@ -164,20 +164,20 @@ pub struct Totals {
 }
 
 impl Totals {
-    /// Of so many programs.
+    /// Totals for `asked` programs.
     pub fn of(asked: usize) -> Totals {
         Totals { begin: Instant::now(), asked, programs: 0, schedules: 0, files: 0 }
     }
 
-    /// Counts a program that was built.
+    /// Counts a built program.
     pub fn add(&mut self, schedules: usize, files: usize) {
         self.programs += 1;
         self.schedules += schedules;
         self.files += files;
     }
 
-    /// The last line of the report, with the time that it took on a terminal alone: what is kept is the same bytes the next time. Empty
-    /// where nothing was built.
+    /// The last line of the report. The time is shown only on a terminal, so that a saved report has the same bytes the
+    /// next time. Empty if nothing was built.
     pub fn line(&self) -> String {
         if self.programs == 0 {
             return String::new();

@@ -1,6 +1,7 @@
-//! Report of a build: one line for each thing checked, planned, verified and written. [`LiveReport`] tells them as the work goes on.
+//! Report of a build: one line for each thing checked, planned, verified and written. [`LiveReport`] prints them as the
+//! build proceeds.
 //!
-//! The text of a plan's line depends on the kind; it is in a file of the kind's name.
+//! The text of a plan's line depends on the kind; it is in a file with the kind's name.
 
 mod dimibot;
 mod electrode_array;
@@ -25,7 +26,7 @@ use crate::schedule::{PlanRecord, Schedule, ScheduledStep};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-/// Runs of one schedule that the report shows; the rest is counted. Of each sort of note it shows as many.
+/// Greatest number of runs of a schedule, and of notes of one sort, that the report shows; the rest are counted.
 const MAX_PLAN_LINES: usize = 20;
 
 /// How much of a build is reported.
@@ -33,7 +34,7 @@ const MAX_PLAN_LINES: usize = 20;
 pub enum Detail {
     /// At most [`MAX_PLAN_LINES`] lines of a sort.
     Usual,
-    /// Every line, and what was searched.
+    /// Every line, and the search effort.
     Full,
 }
 
@@ -50,18 +51,18 @@ impl Detail {
 struct ReportedRun<'a> {
     job: &'a Job,
     plan: &'a PlanRecord,
-    /// In the order of the task.
+    /// The steps in the order of the task.
     steps: Vec<&'a ScheduledStep>,
 }
 
 impl<'a> ReportedRun<'a> {
-    /// The planner's remarks on the plan itself.
+    /// The planner's remarks on the plan itself, as opposed to its search.
     fn remarks(&self) -> impl Iterator<Item = &'a Remark> + use<'a> {
         self.plan.remarks.iter().filter(|remark| remark.subject != ENDED_EARLY)
     }
 }
 
-/// Additional note of a kind on a run: its topic, and the line.
+/// A further note on a run: its topic and its line.
 type Note = (ReportTopic, String);
 
 /// Topic of a note, in the order of the report.
@@ -115,17 +116,17 @@ impl ReportTopic {
     }
 }
 
-/// What a kind has to say of a plan, on its orders.
+/// Report of a plan by its kind; implemented by orders.
 trait ReportedOrder {
-    /// More that there is to say of a run than its cost.
+    /// Notes on a run besides its cost.
     fn notes(&self, _run: &ReportedRun) -> Vec<Note> {
         Vec::new()
     }
 }
 
-/// What a kind has to say of a device, on its facts.
+/// Report of a device by its kind; implemented by the device's facts.
 trait ReportedDevice {
-    /// The device's lines, with what follows from its figures and the tasks that use it.
+    /// The device's lines, with everything that follows from its figures and the tasks that use it.
     fn describe(&self, name: &str, claims: &[Claims]) -> String;
 }
 
@@ -138,11 +139,11 @@ pub fn device(name: &str, facts: &KindFacts, claims: &[Claims]) -> String {
     each_kind!(KindFacts, facts, facts => facts.describe(name, claims))
 }
 
-/// What became of a schedule on the disk.
+/// Result of writing a schedule to the disk.
 pub struct WrittenSchedule {
-    /// Where its files stand.
+    /// Paths of its files.
     pub paths: Vec<PathBuf>,
-    /// The formats that have no form for it, and why.
+    /// The formats that cannot represent it, and why.
     pub left_out: Vec<(Format, String)>,
 }
 
@@ -152,18 +153,18 @@ impl WrittenSchedule {
     }
 }
 
-/// The program is free of errors: its lines, and those of the settings in force.
+/// Lines for a program without errors, and for the settings in force.
 fn checked(file: &str, declared: DeclarationTally, settings_in_force: &[String], width: usize) -> String {
     terminal::line("Checked", file, width, &tally(declared)) + &settings(settings_in_force, width)
 }
 
-/// A schedule was accepted by the verifier.
+/// Line for a schedule that the verifier accepted.
 fn verified(schedule: &Schedule, width: usize) -> String {
     let replayed = format!("{} replayed, 0 violations", count(schedule.actuations.len(), "actuation"));
     terminal::line("Verified", &schedule.name, width, &replayed)
 }
 
-/// Where the files of a schedule stand, and what has none.
+/// Lines for the files of a schedule, and for the formats that have none.
 fn wrote(schedule: &Schedule, written: &WrittenSchedule, width: usize) -> String {
     let (mut text, mut figures) = (String::new(), figures(schedule));
     for path in written.names() {
@@ -176,19 +177,19 @@ fn wrote(schedule: &Schedule, written: &WrittenSchedule, width: usize) -> String
     text
 }
 
-/// The columns that the names of a report take.
+/// Width of the column of names, in characters.
 pub fn width(names: impl Iterator<Item = String>) -> usize {
     names.map(|name| terminal::name(&name).chars().count()).max().unwrap_or(0)
 }
 
-/// A line for each setting in force: with it the program is another one than its text alone.
+/// A line for each setting in force: with it, the program differs from its text.
 pub fn settings(settings: &[String], width: usize) -> String {
     let line =
         |setting: &String| terminal::line("With", &format!("--set {setting}"), width, "instead of its own value");
     settings.iter().map(line).collect()
 }
 
-/// The names that the lines of a schedule begin with: its runs, where they are not all of it, with its own name before.
+/// Subjects of the lines of a schedule: the names of its runs, prefixed with the schedule's name if it differs.
 fn subjects(claims: &Claims) -> impl Iterator<Item = String> + '_ {
     let subject = |job: &Job| match job.task == claims.name {
         true => job.task.clone(),
@@ -197,7 +198,7 @@ fn subjects(claims: &Claims) -> impl Iterator<Item = String> + '_ {
     claims.jobs.iter().map(subject)
 }
 
-/// What each run of a schedule costs, and what else there is to say of it.
+/// Cost of each run of a schedule, with further notes.
 fn planned(schedule: &Schedule, claims: &Claims, width: usize, detail: Detail) -> String {
     let mut text = String::new();
     let runs = runs(schedule, claims);
@@ -251,7 +252,7 @@ fn runs<'a>(schedule: &'a Schedule, claims: &'a Claims) -> Vec<ReportedRun<'a>> 
     runs
 }
 
-/// The runs in which nothing is switched and nothing moves.
+/// Notes on runs in which nothing is switched and nothing moves.
 fn idle(schedule: &Schedule) -> Vec<Note> {
     let busy: BTreeSet<u32> =
         schedule.actuations.iter().map(|actuation| schedule.steps[actuation.step as usize].plan).collect();
@@ -262,7 +263,7 @@ fn idle(schedule: &Schedule) -> Vec<Note> {
     (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
 }
 
-/// Channels that do something and lead nowhere, on a bench with instruments: these play all others.
+/// Note on active channels without a wire on a bench whose instruments play the other channels.
 fn unwired(schedule: &Schedule) -> Option<Note> {
     let acting: BTreeSet<u32> = schedule.actuations.iter().map(|actuation| actuation.channel).collect();
     let channels =
@@ -276,19 +277,19 @@ fn unwired(schedule: &Schedule) -> Option<Note> {
     Some((ReportTopic::Unwired, format!("{all} {verb} no wire, so that no instrument plays this")))
 }
 
-/// That the search for a plan did not end by itself.
+/// Note that the search for a plan was ended early.
 fn ended(run: &ReportedRun) -> Option<Note> {
     let remark = run.plan.remarks.iter().find(|remark| remark.subject == ENDED_EARLY)?;
     Some((ReportTopic::Search, format!("{}: {}", run.job.task, remark.text)))
 }
 
-/// Values that steps reach, where they differ from the goals.
+/// Notes on values that steps reach, if they differ from the goals.
 fn reached<'a>(run: &'a ReportedRun) -> impl Iterator<Item = Note> + 'a {
     let all = run.steps.iter().flat_map(|step| &step.reached);
     all.filter(|reached| reached.is_off()).map(|reached| (ReportTopic::Nearest, reached.to_string()))
 }
 
-/// `20 channels, 9 actuations, 135 ms, 270 mJ`; the energy where a kind counts it.
+/// Figures of a schedule: `20 channels, 9 actuations, 135 ms, 270 mJ`; the energy only for kinds that count it.
 fn figures(schedule: &Schedule) -> String {
     let energies: Vec<f64> = schedule.plans.iter().filter_map(|plan| plan.outcomes.get("energy_j")).copied().collect();
     let mut figures = format!(
@@ -303,7 +304,7 @@ fn figures(schedule: &Schedule) -> String {
     figures
 }
 
-/// A length for people.
+/// A length with its unit.
 fn length(um: f64) -> String {
     Quantity::length_um(um).to_string()
 }

@@ -1,7 +1,8 @@
-//! The part of a file that a report shows: the lines round the labels, long ones cropped, labels apart from one another.
+//! Excerpt of a file for a report: the lines around the labels, with long lines cropped and overlapping labels
+//! separated.
 //!
-//! A report is drawn from this small copy and not from the file, so that a line of a megabyte prints as a few words, and a
-//! report costs as much as it shows.
+//! A report is drawn from this small copy instead of the file, so that a line of a megabyte prints as a few words and
+//! the cost of a report depends only on what it shows.
 
 use super::Label;
 use super::plain::{commands, plain, shortened};
@@ -13,7 +14,7 @@ use std::ops::Range;
 /// Lines shown above and below each label.
 pub const CONTEXT_LINES: usize = 1;
 
-/// A line of more characters is cropped.
+/// Longer lines are cropped, in characters.
 const MAX_LINE_CHARACTERS: usize = 160;
 
 /// Characters of a cropped line that are shown on each side of a label.
@@ -30,7 +31,7 @@ pub struct Excerpt {
     name: String,
     text: String,
     lines: Vec<ExcerptLine>,
-    /// Where each mark begins in `text`, and its column in the file, both from 0.
+    /// For each mark, its byte in `text` and its column in the file, both from 0.
     columns: Vec<(usize, usize)>,
 }
 
@@ -38,18 +39,18 @@ pub struct Excerpt {
 struct ExcerptLine {
     /// Line number, from 1.
     number: u32,
-    /// Its place in the excerpt's text, the line end included.
+    /// Its range in the excerpt's text, including the line end.
     place: Range<usize>,
 }
 
-/// A label on one line: first in the file's bytes, then in the excerpt's.
+/// A label on one line; its range is first in the file's bytes, later in the excerpt's.
 struct Mark {
     place: Range<usize>,
     text: String,
     rank: MarkRank,
 }
 
-/// Whether the diagnostic points at a mark.
+/// Whether the diagnostic points at this mark.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum MarkRank {
     First,
@@ -57,7 +58,7 @@ enum MarkRank {
 }
 
 impl Excerpt {
-    /// The lines round some labels, which must be of this file, and the labels where they lie in it.
+    /// The excerpt around some labels, which must be in this file, and the labels at their places in the excerpt.
     pub fn of(file: &SourceFile, labels: &[&Label]) -> (Excerpt, Vec<LabeledSpan>) {
         let mut marks = apart(labels.iter().enumerate().map(|(index, label)| mark(file, label, index)).collect());
         let mut excerpt = Excerpt {
@@ -89,7 +90,7 @@ impl Excerpt {
         (excerpt, spans)
     }
 
-    /// Adds a line, or the part of it that is kept, and moves its marks accordingly.
+    /// Adds a line, or the part of it that is kept, and moves its marks to the excerpt.
     fn push(
         &mut self,
         file: &SourceFile,
@@ -130,7 +131,7 @@ impl Excerpt {
         (line < self.lines.len()).then_some(line)
     }
 
-    /// The lines `first..=last` with `before` and `after` more, as far as they follow one another in the file.
+    /// The lines `first..=last`, extended by up to `before` and `after` lines while they are consecutive in the file.
     fn widened(&self, first: usize, last: usize, before: usize, after: usize) -> (usize, usize) {
         let follows = |line: usize| self.lines[line].number == self.lines[line - 1].number + 1;
         let (mut first, mut last) = (first, last);
@@ -173,8 +174,8 @@ impl SourceCode for Excerpt {
     }
 }
 
-/// A label cut to its first line. An empty span draws nothing, and one at the end of the file neither: both are widened to the
-/// nearest character.
+/// A label cut to its first line. An empty span, and one at the end of the file, would draw nothing; they are widened
+/// to the nearest character.
 fn mark(file: &SourceFile, label: &Label, index: usize) -> Mark {
     let text = &file.text;
     let start = (label.span.start as usize).max(file.start());
@@ -191,7 +192,8 @@ fn mark(file: &SourceFile, label: &Label, index: usize) -> Mark {
     Mark { place: start..end, text: plain(&label.text).into_owned(), rank }
 }
 
-/// The renderer draws nested labels wrongly: the outer one is shortened in favour of the inner, and two at one place become one.
+/// Separates nested labels, which the renderer draws wrongly: the outer one is shortened in favour of the inner one,
+/// and two at the same place are merged.
 fn apart(mut marks: Vec<Mark>) -> Vec<Mark> {
     marks.sort_by_key(|mark| (mark.place.start, mark.place.end));
     let mut result: Vec<Mark> = Vec::with_capacity(marks.len());
@@ -215,7 +217,7 @@ fn apart(mut marks: Vec<Mark>) -> Vec<Mark> {
     result
 }
 
-/// The parts of a line that are shown: all of it, or a window round each mark.
+/// The parts of a line that are shown: the whole line, or a window around each mark.
 fn kept(text: &str, line: &Range<usize>, marks: &[Range<usize>]) -> Vec<Range<usize>> {
     let is_short = text[line.clone()].chars().nth(MAX_LINE_CHARACTERS).is_none();
     if is_short {
@@ -236,17 +238,17 @@ fn kept(text: &str, line: &Range<usize>, marks: &[Range<usize>]) -> Vec<Range<us
     kept
 }
 
-/// So many characters further on, but not past `limit`.
+/// The offset `characters` further on, but at most `limit`.
 fn forward(text: &str, from: usize, characters: usize, limit: usize) -> usize {
     text[from..limit].char_indices().nth(characters).map_or(limit, |(at, _)| from + at)
 }
 
-/// So many characters back, but not past `limit`.
+/// The offset `characters` back, but at least `limit`.
 fn backward(text: &str, from: usize, characters: usize, limit: usize) -> usize {
     text[limit..from].char_indices().rev().nth(characters.saturating_sub(1)).map_or(limit, |(at, _)| limit + at)
 }
 
-/// The text as it is shown: a character that would command the terminal is replaced.
+/// The text with characters that would control the terminal replaced.
 fn shown(text: &str) -> String {
     let replace = |character: char| if commands(character) && character != '\t' { '\u{fffd}' } else { character };
     text.chars().map(replace).collect()

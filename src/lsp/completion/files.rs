@@ -1,4 +1,5 @@
-//! The files of a program as trees, with errors in them: what each declares, and which it uses under which name.
+//! Trees of the files of a program, errors included: what each file declares, and which files it uses under which
+//! names.
 
 use crate::check::imports::Library;
 use crate::check::scope::path_text;
@@ -8,38 +9,39 @@ use crate::stdlib;
 use crate::syntax::tree::{Item, Scene, Tree, Use, UsePath};
 use std::collections::BTreeMap;
 
-/// Most files of a program that are looked into, which also limits how deep files may use others.
+/// Greatest number of files of a program that are read; this also limits how deeply files use others.
 const MAX_FILES: usize = 100;
 
-/// The files of a program, its own first.
+/// The files of a program; its own file is the first.
 pub(super) struct ProgramTrees {
     files: Vec<FileTree>,
 }
 
 struct FileTree {
     tree: Tree,
-    /// The kind whose published devices it declares, if it is one of the library.
+    /// The kind whose published devices the file declares, if it is a library file.
     kind: Option<Kind>,
-    /// The files that it uses, by their names there.
+    /// The files that it uses, by their names in it.
     uses: BTreeMap<String, UsedTree>,
 }
 
 /// A file that another one uses.
 pub(super) struct UsedTree {
-    /// As `std.dimibot` or `"bench.twz"`.
+    /// As written in the `use`: `std.dimibot` or `"bench.twz"`.
     pub(super) written: String,
     file: usize,
 }
 
 impl ProgramTrees {
-    /// The text of a program with what it uses, and what that uses; files that cannot be read are left out.
+    /// Parses the text of a program and the files that it uses, directly or not; files that cannot be read are left
+    /// out.
     pub(super) fn read(text: &str, library: &dyn Library) -> ProgramTrees {
         let mut trees = ProgramTrees { files: Vec::new() };
         trees.add("", text, None, library, &mut BTreeMap::new());
         trees
     }
 
-    /// Adds a file by its name, and returns its number; `known` are the files so far, those of the library apart.
+    /// Adds a file by its name and returns its index; `known` are the files so far, with library files kept apart.
     fn add(
         &mut self,
         name: &str,
@@ -66,7 +68,7 @@ impl ProgramTrees {
                 }),
             };
             let Some((name, written, text, kind)) = found else { continue };
-            // Without a name of its own, a file goes by what it is called.
+            // Without an alias, a file is known by its file name.
             let stem = name.rsplit('/').next().unwrap_or_default().trim_end_matches(".twz");
             let alias = alias.map_or_else(|| stem.to_owned(), |alias| alias.text);
             let is_library = matches!(path, UsePath::Library { .. });
@@ -88,17 +90,17 @@ impl ProgramTrees {
         &self.files[0].tree
     }
 
-    /// What the program's own file uses, by the names there.
+    /// The files that the program's own file uses, by their names in it.
     pub(super) fn uses(&self) -> impl Iterator<Item = (&str, &UsedTree)> {
         self.files[0].uses.iter().map(|(alias, used)| (alias.as_str(), used))
     }
 
-    /// The file behind a name of the program's own file.
+    /// The tree of the file that the program's own file uses under a name.
     pub(super) fn used(&self, alias: &str) -> Option<&Tree> {
         self.files[0].uses.get(alias).map(|used| &self.files[used.file].tree)
     }
 
-    /// The file in which a name of another one is declared, and its name there.
+    /// The file that declares a name used in another file, and the name there.
     fn resolved<'n>(&self, file: usize, name: &'n str) -> Option<(usize, &'n str)> {
         match name.split_once('.') {
             Some((alias, name)) => self.files[file].uses.get(alias).map(|used| (used.file, name)),
@@ -106,10 +108,10 @@ impl ProgramTrees {
         }
     }
 
-    /// The kind of a device by its name in the program's own file: that of its base, and so on.
+    /// The kind of a device by its name in the program's own file; follows the chain of bases.
     pub(super) fn kind(&self, name: &str) -> Option<Kind> {
         let (mut file, mut name) = (0, name.to_owned());
-        // Each base at most once.
+        // Visits each base at most once.
         for _ in 0..self.files.iter().map(|file| file.tree.items.len() + 1).sum() {
             let (within, device) = self.resolved(file, &name)?;
             if self.files[within].kind.is_some() {
@@ -127,7 +129,8 @@ impl ProgramTrees {
         None
     }
 
-    /// A scene by its name in the program's own file, and those that it is based on; all of that file where the name is not known.
+    /// A scene by its name in the program's own file, and the scenes that it is based on; all scenes of that file if
+    /// the name is unknown.
     pub(super) fn scenes(&self, name: Option<&str>) -> Vec<&Scene> {
         let all = |file: usize| {
             let items = self.files[file].tree.items.iter();

@@ -1,7 +1,8 @@
-//! What may stand at the cursor: the words that the language and the kind of the block have there, and the names that fit.
+//! Completion: the words that the language and the kind allow at the cursor, and the names that fit there.
 //!
-//! The cursor's place is read from what is open before it; names, devices and scenes from the declarations of the whole text and of the
-//! files that it uses. Where the kind of a device is not known, the words of all kinds that the text uses are shown.
+//! The context comes from what is open before the cursor; names, devices and scenes come from the declarations of the
+//! whole text and of the files that it uses. If the kind of a device is unknown, the words of all kinds that the text
+//! uses are offered.
 
 mod files;
 mod names;
@@ -23,8 +24,8 @@ use files::ProgramTrees;
 use lsp_types::{CompletionItem, CompletionItemKind, Documentation};
 use std::collections::BTreeMap;
 
-/// What may stand at a byte of a text, in the order of the alphabet; nothing in comments, strings and numbers. Files that the text uses
-/// are read from a library.
+/// The completions at a byte of a text, in alphabetical order; none in comments, strings and numbers. Used files are
+/// read from `library`.
 pub fn completions(text: &str, at: usize, library: &dyn Library) -> Vec<CompletionItem> {
     let Some(cursor) = CursorPlace::behind(&text[..at]) else { return Vec::new() };
     let files = ProgramTrees::read(text, library);
@@ -47,7 +48,7 @@ enum DeclaredName {
 struct Suggestions<'t> {
     files: &'t ProgramTrees,
     cursor: &'t CursorPlace<'t>,
-    /// By their words.
+    /// By label.
     items: BTreeMap<String, CompletionItem>,
 }
 
@@ -77,12 +78,12 @@ impl<'t> Suggestions<'t> {
             Some("task") => self.task(outer, inner),
             Some("program") => self.program(),
             Some("wiring") => self.wiring(inner),
-            // A value of a `let`, as a shape with fields.
+            // The value of a `let`, such as a shape with fields.
             _ => self.braces_of_value(cursor.heads.last().map_or(&[], Vec::as_slice)),
         }
     }
 
-    /// The tokens of the entry before the cursor.
+    /// The tokens of the current entry before the cursor.
     fn entry(&self) -> &'t [&'t str] {
         &self.cursor.entry
     }
@@ -99,7 +100,7 @@ impl<'t> Suggestions<'t> {
         self.items.entry(word.to_owned()).or_insert(item);
     }
 
-    /// Adds a word of the language, which no name stands before.
+    /// Adds a word of the language, unless a name and a dot precede the cursor.
     fn word(&mut self, word: &str, form: &str, meaning: &str, kind: CompletionItemKind) {
         if self.cursor.path.is_empty() {
             self.add(word, form, meaning, kind);
@@ -114,7 +115,7 @@ impl<'t> Suggestions<'t> {
         choices.iter().for_each(|word| self.word(word.name, word.name, word.doc, CompletionItemKind::ENUM_MEMBER));
     }
 
-    /// Outside of all braces.
+    /// Completes outside all braces.
     fn declaration(&mut self) {
         use DeclaredName::{Device, Instrument, Output, Scene};
         let entry = self.entry();
@@ -162,7 +163,7 @@ impl<'t> Suggestions<'t> {
         }
     }
 
-    /// Fields with their values.
+    /// Completes fields and their values.
     fn fields(&mut self, fields: Vec<&'static VocabularyField>) {
         match self.entry() {
             [] => fields.iter().for_each(|field| {
@@ -176,7 +177,7 @@ impl<'t> Suggestions<'t> {
         }
     }
 
-    /// The columns of a table, and the words that stand in them.
+    /// Completes the columns of a table, and the words that may stand in them.
     fn table(&mut self, columns: &[VocabularyField]) {
         for column in columns {
             self.word(column.name, &column.term(), &column.meaning(), CompletionItemKind::FIELD);
@@ -186,13 +187,13 @@ impl<'t> Suggestions<'t> {
         }
     }
 
-    /// The fields of a shape, or those of a device or wire whose braces are no further known.
+    /// Completes the fields of a shape, or of a device or wire if nothing more is known of the braces.
     fn braces_of_value(&mut self, head: &[&str]) {
         let form = head.iter().rev().find_map(|word| ShapeForm::ALL.iter().find(|form| form.name() == *word));
         self.fields(form.map_or(Vec::new(), |form| form.fields().iter().collect()));
     }
 
-    /// A value of a sort, behind these tokens of an expression: `:` or `to` alone where it begins.
+    /// Completes a value of a sort, after these tokens of the expression; at its beginning they are only `:` or `to`.
     fn value(&mut self, sort: Option<&Sort>, before: &[&str]) {
         let before = self.cursor.in_brackets.as_deref().unwrap_or(before);
         if let Some(last) = before.last().filter(|last| is_complete(last)) {
@@ -229,7 +230,7 @@ impl<'t> Suggestions<'t> {
         }
     }
 
-    /// Behind a number, the units of a value.
+    /// Completes the unit after a number.
     fn units(&mut self, sort: Option<&Sort>) {
         let mut units = sort.and_then(Sort::dimension).map_or(Vec::new(), Dimension::usual_units);
         if matches!(sort, Some(Sort::Target | Sort::Pose)) {
@@ -320,7 +321,7 @@ impl<'t> Suggestions<'t> {
         }
     }
 
-    /// Behind the `for` of a loop.
+    /// Completes the head of a loop, after `for`.
     fn loop_head(&mut self) {
         let entry = self.entry();
         match entry.iter().position(|token| *token == "in") {
@@ -331,7 +332,7 @@ impl<'t> Suggestions<'t> {
     }
 }
 
-/// Whether a token is a value, or ends one: no operator and no word before a value.
+/// Whether a token is a value or ends one, as opposed to an operator or a word that needs a value after it.
 fn is_complete(token: &str) -> bool {
     token.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | ')' | ']' | '}' | '"' | '%'))
 }

@@ -1,4 +1,4 @@
-//! Names that a text declares, and what its declarations say of a device's kind and a task's scene.
+//! Completion of declared names, and what declarations say of a device's kind and a task's scene.
 
 use super::{DeclaredName, Suggestions};
 use crate::device::Vocabulary;
@@ -7,7 +7,8 @@ use crate::syntax::tree::{Item, SceneEntry, Tree};
 use lsp_types::CompletionItemKind;
 
 impl<'t> Suggestions<'t> {
-    /// The names of some sorts, of this text or of the file before the dot; where none stands before it, the files as well.
+    /// Adds the names of some sorts, of this text or of the file before the dot; without a dot, also the names of the
+    /// used files.
     pub(super) fn names(&mut self, sorts: &[DeclaredName]) {
         let files = self.files;
         match self.cursor.path.as_slice() {
@@ -44,7 +45,7 @@ impl<'t> Suggestions<'t> {
         }
     }
 
-    /// The names of loops round the cursor, and the parameters of its task or program.
+    /// The loop names around the cursor, and the parameters of its task or program.
     pub(super) fn bound_names(&self) -> Vec<&'t str> {
         let mut names: Vec<&str> = Vec::new();
         for head in &self.cursor.heads {
@@ -61,7 +62,7 @@ impl<'t> Suggestions<'t> {
         names
     }
 
-    /// Things of the scenes by their noun; all of them by a noun that no scene has.
+    /// Adds the objects of the scenes that have this noun; all objects if no scene has it.
     pub(super) fn objects(&mut self, noun: &str) {
         let mut found = Vec::new();
         for scene in self.files.scenes(self.scene_of_task()) {
@@ -82,7 +83,8 @@ impl<'t> Suggestions<'t> {
         }
     }
 
-    /// The words of the kind of the device that stands behind a word in a head: behind `:` in that of a device, `on` in that of a task.
+    /// The vocabulary of the device that follows a word in a head: after `:` in the head of a device, after `on` in
+    /// that of a task.
     pub(super) fn kinds_behind(&self, word: &str, head: &[&str]) -> Vec<&'static Vocabulary> {
         let device = head.iter().skip_while(|token| **token != word).nth(1);
         device

@@ -1,4 +1,4 @@
-//! What tasks and programs do: their steps, with the prepositions and values that a verb takes.
+//! Completion in tasks and programs: their steps, with the prepositions and values that each verb takes.
 
 use super::{DeclaredName, Suggestions, is_complete};
 use crate::device::{self, Assay, Count, Together, Verb, Vocabulary, VocabularyPhrase};
@@ -32,7 +32,7 @@ impl Suggestions<'_> {
         }
     }
 
-    /// An entry of a task or of a block in it.
+    /// Completes an entry of a task or of a block in it.
     fn step(&mut self, kinds: &[&'static Vocabulary]) {
         let entry = self.entry();
         let settings = || kinds.iter().flat_map(|kind| kind.settings);
@@ -78,7 +78,7 @@ impl Suggestions<'_> {
         }
     }
 
-    /// The words that begin a step of some kinds.
+    /// Adds the words that begin a step of the given kinds.
     fn first_words(&mut self, kinds: &[&'static Vocabulary]) {
         for verb in kinds.iter().flat_map(|kind| kind.verbs_and_conditions()) {
             self.word(verb.name, verb.example, &verb.meaning(), CompletionItemKind::METHOD);
@@ -96,7 +96,7 @@ impl Suggestions<'_> {
         }
     }
 
-    /// A step that programs have as well; whether the entry is one.
+    /// Completes a step that programs also have; returns whether the entry is one.
     pub(super) fn common_step(&mut self) -> bool {
         match self.entry() {
             ["set" | "pulse"] => self.names(&[DeclaredName::Output]),
@@ -143,7 +143,7 @@ impl Suggestions<'_> {
         }
     }
 
-    /// Behind an object: the prepositions that do not stand there yet, or the value of the last one.
+    /// Completes after an object: the prepositions that the step does not have yet, or the value of the last one.
     fn phrases(&mut self, entry: &[&str], phrases: &[VocabularyPhrase]) {
         let phrase_of = |token: &str| phrases.iter().find(|phrase| phrase.preposition == token);
         let value = (0..entry.len()).rev().find_map(|at| Some((&phrase_of(entry[at])?.sort, &entry[at + 1..])));

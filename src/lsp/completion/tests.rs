@@ -1,4 +1,4 @@
-//! What is offered at places of programs.
+//! Completions at positions of programs.
 
 use super::*;
 use crate::check::imports::FileFault;
@@ -7,7 +7,7 @@ use crate::lsp::words;
 use crate::syntax::is_word;
 use std::collections::BTreeSet;
 
-/// One file beside every program.
+/// A library with one file beside every program.
 struct Beside;
 
 impl Library for Beside {
@@ -17,7 +17,7 @@ impl Library for Beside {
     }
 }
 
-/// The words at the mark `|`.
+/// The completions at the mark `|`.
 fn at(text: &str) -> Vec<String> {
     let at = text.find('|').expect("a mark");
     let shown = completions(&text.replacen('|', "", 1), at, &Beside);
@@ -79,7 +79,7 @@ fn what_is_offered_fits_the_place() {
     }
 }
 
-/// The words that all programs share.
+/// The words common to all programs.
 fn words_of_the_language() -> BTreeSet<&'static str> {
     let vocabularies: Vec<&Vocabulary> = Kind::ALL.iter().map(|kind| kind.vocabulary()).collect();
     let known = words::known_words(&vocabularies, true).into_iter().map(|known| known.word);
@@ -87,7 +87,7 @@ fn words_of_the_language() -> BTreeSet<&'static str> {
     known.chain(common).chain(["to", "from", "via", "with", "among", "after", "within", "in", "on"]).collect()
 }
 
-/// The names that a program declares itself, wherever.
+/// The names that a program itself declares anywhere.
 fn own_names(text: &str) -> BTreeSet<&str> {
     let words = text.split(|c| !is_word(c)).filter(|word| !word.is_empty()).collect::<Vec<_>>();
     let nouns: Vec<&str> = Kind::ALL.iter().flat_map(|kind| kind.vocabulary().nouns).map(|noun| noun.name).collect();
@@ -98,7 +98,7 @@ fn own_names(text: &str) -> BTreeSet<&str> {
     words.windows(2).filter(|pair| declares(pair[0])).map(|pair| pair[1]).collect()
 }
 
-/// Wherever a word of the language stands in an example, it is offered there.
+/// Wherever an example contains a word of the language, completion offers it there.
 #[test]
 fn examples_can_be_written_by_it() {
     let language = words_of_the_language();

@@ -1,4 +1,4 @@
-//! Every form of the language, read as it is meant.
+//! Every form of the language, parsed as intended.
 
 use super::*;
 
@@ -192,7 +192,7 @@ fn values_bind_as_written() {
     }
 }
 
-/// A step as text: head, indices, noun, object, phrases, whether there is a block.
+/// A step as text: head, indices, noun, object, phrases, and whether it has a block.
 fn shown_step(step: &Step) -> String {
     let mut text = step.head.text.clone();
     step.indices.iter().for_each(|index| text.push_str(&format!("[{}]", shown(index))));

@@ -1,8 +1,8 @@
-//! One mistake, one finding, at its place; and nothing around it is lost.
+//! One finding per mistake, at its place, and nothing around it is lost.
 
 use super::*;
 
-/// Texts with a mistake, the code and the text that it points at.
+/// Texts with a mistake, the expected code, and the text that the finding points at.
 const ENTRIES: &[(&str, &str, &str)] = &[
     // in a task
     ("move to (1, 2) move to (3, 4)", "E0103", "move"),
@@ -115,7 +115,7 @@ fn a_mistake_in_a_task_is_found_once_and_leaves_its_neighbours() {
     }
 }
 
-/// Whole files with a mistake, the code and the text that it points at.
+/// Whole files with a mistake, the expected code, and the text that the finding points at.
 const FILES: &[(&str, &str, &str)] = &[
     ("let a = 1 let b = 2\n", "E0103", "let"),
     ("let a = 1;\n", "E0104", ";"),
@@ -204,7 +204,7 @@ fn a_missing_colon_is_reported_beside_another_mistake_of_its_line() {
     assert_eq!(found(text), [("E0119", "radius".to_owned()), ("E0103", "obstacle".to_owned())]);
 }
 
-/// Eleven mistakes of eleven sorts; a misspelt verb and an unknown unit are later stages' business.
+/// Eleven different mistakes; a misspelt verb and an unknown unit are left to later stages.
 const ELEVEN: &str = r#"//! Eleven mistakes.
 use std.dimibot
 

@@ -8,7 +8,7 @@ mod forms;
 mod mistakes;
 mod spans;
 
-/// A text read: its tree and its findings by place.
+/// Parses a text; returns its tree and its findings by place.
 fn read(text: &str) -> (Tree, Vec<crate::diagnostic::Diagnostic>) {
     let mut sink = Sink::default();
     let tree = parse(FileId(0), text, &mut sink);
@@ -16,21 +16,21 @@ fn read(text: &str) -> (Tree, Vec<crate::diagnostic::Diagnostic>) {
     (tree, findings)
 }
 
-/// The codes of a text's findings and the text that each points at.
+/// The codes of a text's findings, with the text that each points at.
 fn found(text: &str) -> Vec<(&'static str, String)> {
     let (_, findings) = read(text);
     let place = |span: Option<Span>| span.map_or(String::new(), |span| text[span.range()].to_owned());
     findings.iter().map(|finding| (finding.code.name(), place(finding.span()))).collect()
 }
 
-/// The tree of a text that must be sound.
+/// The tree of a text that must have no findings.
 fn sound(text: &str) -> Tree {
     let (tree, findings) = read(text);
     assert!(findings.is_empty(), "{text}\n{findings:#?}");
     tree
 }
 
-/// The blocks of a page that are fenced with this info string.
+/// The blocks of a page that are fenced with a given info string.
 fn fenced<'p>(page: &'p str, info: &str) -> Vec<&'p str> {
     let opening = format!("```{info}\n");
     page.split(opening.as_str()).skip(1).filter_map(|rest| rest.split("\n```").next()).collect()

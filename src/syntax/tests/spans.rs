@@ -1,8 +1,8 @@
-//! A tree for every text, every span inside of its parent's, and no text that takes the parser down.
+//! Every text gets a tree, every span lies in its parent's, and no text makes the parser fail.
 
 use super::*;
 
-/// Checks one span against its parent's and returns it.
+/// Checks a span against its parent's and returns it.
 fn within(parent: Span, child: Span, text: &str) -> Span {
     assert!(child.start <= child.end && parent.contains(child), "{child:?} is not in {parent:?} of {text:?}");
     let is_whole = text.is_char_boundary(child.start as usize) && text.is_char_boundary(child.end as usize);
@@ -10,7 +10,7 @@ fn within(parent: Span, child: Span, text: &str) -> Span {
     child
 }
 
-/// Goes over a tree with the text it was read from.
+/// Walks a tree together with the text that it was parsed from.
 struct Walk<'t>(&'t str);
 
 impl Walk<'_> {
@@ -220,7 +220,7 @@ impl Walk<'_> {
     }
 }
 
-/// Reads a text and checks the result against the promises of `parse`.
+/// Parses a text and checks the result against the guarantees of `parse`.
 fn holds(text: &str) {
     let (tree, findings) = read(text);
     Walk(text).tree(&tree);
@@ -262,7 +262,7 @@ fn soup() -> impl Strategy<Value = String> {
     })
 }
 
-/// A sound program with some of its characters dropped, doubled or exchanged for tokens.
+/// A valid program with some of its characters dropped, doubled or replaced by tokens.
 fn mutant() -> impl Strategy<Value = String> {
     let changes = proptest::collection::vec((any::<prop::sample::Index>(), 0..TOKENS.len() + 2), 1..6);
     changes.prop_map(|changes| {
@@ -301,17 +301,17 @@ proptest! {
     }
 }
 
-/// The stack of a thread, as small as the standard library makes it.
+/// Stack size of a thread, the standard library's default.
 const STACK_BYTES: usize = 2 * 1024 * 1024;
 
-/// Runs on a stack of its own, so that no test is saved by the harness's.
+/// Runs in a thread with a small stack, so that the harness's larger one cannot hide an overflow.
 fn on_a_small_stack(texts: Vec<String>) {
     let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
     let handle = thread.spawn(move || texts.iter().for_each(|text| holds(text)));
     assert!(handle.expect("a thread starts").join().is_ok());
 }
 
-/// The word before the place where reading stops may stand right behind a sign of several bytes.
+/// The word before the place where parsing stopped may follow directly after a character of several bytes.
 #[test]
 fn a_misspelt_preposition_behind_a_sign_is_cut_at_its_border() {
     for sign in ["²", "→", "é²"] {

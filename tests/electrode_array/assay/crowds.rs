@@ -1,16 +1,17 @@
-//! Assays of more droplets than are on the board at once: every plan passes the verifier, and none beats its bound.
+//! Assays with more droplets than fit on the board at once: every plan passes the verifier, and none is below its
+//! bound.
 
 use crate::programs::{Answered, answered};
 use crate::scenes::Random;
 use crate::scenes::random::cases;
 
-/// Where droplets meet: corners of loops of 4 × 2 electrodes, with lanes between them.
+/// Meeting places: corners of mixing loops of 4 × 2 electrodes, with lanes between them.
 const PLACES: [(u32, u32); 8] = [(4, 3), (9, 3), (4, 8), (9, 8), (4, 13), (9, 13), (4, 18), (9, 18)];
 
 /// Reservoirs on both sides.
 const PORTS: [(u32, u32); 4] = [(1, 6), (1, 11), (15, 6), (15, 11)];
 
-/// Pairs of droplets that meet, are mixed and rest at the places in turn, each pair after the one before it there.
+/// Pairs of droplets that meet, are mixed and rest at the places in turn; each pair follows the one before it there.
 fn panel(chance: &mut Random) -> String {
     let pairs = 34 + chance.below(8);
     let mut lines = vec![
@@ -45,13 +46,13 @@ fn assays_of_many_droplets_are_planned() {
     let mut chance = Random::new(1_507);
     for _ in 0..cases {
         let text = panel(&mut chance);
-        // Each plan has passed the verifier.
+        // The verifier has accepted each plan.
         let Answered::Plan(plan) = answered(&text) else { panic!("no plan of\n{text}") };
         assert!(plan.bound <= plan.cost && plan.cost <= 2.0 * plan.bound, "{} and {}", plan.cost, plan.bound);
     }
 }
 
-/// Droplets that crowd a small board and are pooled at two places: whoever comes later stands in the way of those before.
+/// Droplets that crowd a small board and are pooled at two places; later ones block those before them.
 fn pools(chance: &mut Random) -> String {
     let apart = |one: (u32, u32), other: (u32, u32)| one.0.abs_diff(other.0).max(one.1.abs_diff(other.1)) >= 2;
     let spread = |chance: &mut Random, most: usize| {
@@ -75,7 +76,7 @@ fn pools(chance: &mut Random) -> String {
     )
 }
 
-/// Lists in the usual orders plan about half of them.
+/// List scheduling in the usual priority orders plans about half of them.
 #[test]
 fn most_crowds_that_are_pooled_are_planned() {
     let mut chance = Random::new(77);

@@ -1,7 +1,7 @@
-//! Assays against brute force: random programs on tiny boards, and every possible plan of each.
+//! Assays compared with brute force: random programs on tiny boards, and every possible plan of each.
 //!
-//! The truth is found without the planner and the verifier: instant by instant, all joint positions with what each part has done by
-//! then, until all is done. `TWEEZE_ORACLE_CASES=1000` runs 1000 assays.
+//! The truth is found without the planner and the verifier: instant by instant, all joint positions with what each part
+//! has done by then, until everything is done. `TWEEZE_ORACLE_CASES=1000` runs 1000 assays.
 
 mod crowds;
 mod program;
@@ -16,16 +16,16 @@ use std::collections::HashSet;
 use traces::Traces;
 use tweeze::plan::Optimality;
 
-/// A board with more joint states than this at one instant is not searched.
+/// Greatest number of joint states at one instant; a board with more is not searched.
 const MOST_STATES: usize = 60_000;
 
-/// Longer plans are not looked at.
+/// Longer plans are not considered.
 const MOST_STEPS: u64 = 40;
 
-/// Steps after the shortest plan in which plans of a smaller sum of costs are looked for.
+/// Number of steps after the shortest plan in which plans with a smaller sum of costs are searched for.
 const LATER_STEPS: u64 = 2;
 
-/// What a part is to do next: where, for how many steps, and the operation with its number if it merges.
+/// The next thing that a part must do: where, for how many steps, and, for a merge, its number and the other part.
 #[derive(Clone, Copy, Debug)]
 struct Due {
     at: Cell,
@@ -33,11 +33,11 @@ struct Due {
     merge: Option<(usize, usize)>,
     is_gone: bool,
     is_dispensed: bool,
-    /// It goes round for these steps, and does not stay.
+    /// It is mixed for these steps instead of resting.
     is_mixed: bool,
-    /// The part that comes out of it on its way there: from where, which, and where that one goes.
+    /// A half that comes out of it on the way: the cell of the split, the half's part, and the half's destination.
     split: Option<(Cell, usize, Cell)>,
-    /// A part, and how much of what it is to do must be done before.
+    /// A part, and how many of its dues must be done before this one begins.
     after: Option<(usize, usize)>,
 }
 
@@ -46,18 +46,18 @@ impl Due {
         Due { at, stay: 0, merge: None, is_gone: false, is_dispensed: false, is_mixed: false, split: None, after: None }
     }
 
-    /// Whether what it comes after is done; what is gone has done all.
+    /// Whether the part that it comes after is far enough; a part that is gone has done everything.
     fn may_begin(&self, stands: &[Stand]) -> bool {
         self.after.is_none_or(|(part, count)| stands[part].is_none_or(|(_, done, ..)| done >= count))
     }
 }
 
-/// A part at an instant: its cell, the number of things done, the steps for which it has been where the next one is, and the instant at
-/// which it moved last.
+/// A part at an instant: its cell, the number of dues done, the steps spent at the place of the next due, and the
+/// instant of its last move; `None` once it is gone.
 type Stand = Option<(Cell, usize, u64, u64)>;
 
-/// Where all parts are, what is left on the cells, if that matters, for each [`Wait`] the steps since it began, if it has, and the sum of the
-/// instants at which those that are gone moved last.
+/// A joint state: where all parts are; the traces on the cells, if they matter; for each [`Wait`] the steps since it
+/// began, if it has; and the sum of the last move instants of the parts that are gone.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct AssayPosition {
     stands: Vec<Stand>,
@@ -66,7 +66,8 @@ struct AssayPosition {
     gone: u64,
 }
 
-/// From the end of so many things that a part does to the end of so many that another one does, at most so many steps pass.
+/// A time limit: at most `most` steps from the instant at which a part has done a number of dues (`from`) to the
+/// instant at which another one has (`to`).
 #[derive(Clone, Copy, Debug)]
 struct Wait {
     from: (usize, usize),
@@ -74,17 +75,17 @@ struct Wait {
     most: u64,
 }
 
-/// A part that is pulled apart in a step, the part that comes out of it, and the way of that one.
+/// A split in a step: the part, the half that comes out of it, and the half's start and destination.
 type Pulled = (usize, usize, [Cell; 2]);
 
-/// What a part does in a step.
+/// Action of a part in a step.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
-    /// It goes to a cell, or stays.
+    /// Goes to a cell, or stays.
     To(Cell),
-    /// It goes on, or begins to go, round its loop.
+    /// Continues or begins its mixing loop.
     Round(Cell),
-    /// It is split, and goes to a cell.
+    /// Is split, and goes to a cell.
     Split(Cell),
 }
 
@@ -97,7 +98,7 @@ impl Way {
 }
 
 impl Assay {
-    /// What each part is to do, in its order.
+    /// The dues of each part, in order.
     fn dues(&self) -> Vec<Vec<Due>> {
         let mut dues: Vec<Vec<Due>> = vec![Vec::new(); self.parts.len()];
         for (number, operation) in self.operations.iter().enumerate() {
@@ -145,7 +146,7 @@ impl Assay {
         dues
     }
 
-    /// What must not wait too long.
+    /// The time limits of the assay.
     fn waits(&self, dues: &[Vec<Due>]) -> Vec<Wait> {
         let mut counts = vec![0; self.parts.len()];
         let mut waits = Vec::new();
@@ -172,8 +173,8 @@ impl Assay {
         waits
     }
 
-    /// The fewest steps of any plan, and the smallest sum of costs of those that take few more. An error if there is none, and none if
-    /// there are too many states or steps.
+    /// The fewest steps of any plan, and the smallest sum of costs of plans that take few more steps. The inner result
+    /// is an error if there is no plan; the outer is `None` if there are too many states or steps.
     fn least(&self) -> Option<Result<(u64, u64), ()>> {
         let (dues, traces) = (self.dues(), Traces::of(self));
         let start: Vec<Stand> = self.parts.iter().map(|cell| Some((*cell, 0, 0, 0))).collect();
@@ -197,7 +198,7 @@ impl Assay {
             for position in &now {
                 for moved in self.moves(&dues, &position.stands, step + 1) {
                     for there in self.arrived(&dues, &traces, &waits, position, moved) {
-                        // With sums, the same places with later last moves are other states.
+                        // For the sum of costs, the same places with later last moves are different states.
                         if self.by_sum || met.insert(there.clone()) {
                             next.insert(there);
                         }
@@ -213,14 +214,15 @@ impl Assay {
             now = next;
         }
         if fewest.is_none() && self.by_sum {
-            // The instants of moves make every state a new one; without them it is known whether there is any plan.
+            // The instants of moves make every state a new one; without them the search can decide whether there is any
+            // plan.
             let by_steps = Assay { by_sum: false, ..self.clone() };
             return by_steps.least().filter(Result::is_err);
         }
         fewest.map(|fewest| Ok((fewest, sum)))
     }
 
-    /// As [`Self::least`], of all places that can be chosen: the fewest steps of any, and the smallest sum of any.
+    /// As [`Self::least`] over all choices of places: the fewest steps of any, and the smallest sum of any.
     fn least_of_all(&self) -> Option<Result<(u64, u64), ()>> {
         let each: Option<Vec<Result<(u64, u64), ()>>> = self.arrangements().iter().map(Assay::least).collect();
         let least = |one: (u64, u64), other: (u64, u64)| (one.0.min(other.0), one.1.min(other.1));
@@ -237,7 +239,8 @@ impl Assay {
         })
     }
 
-    /// What is done where parts have come to, in all ways in which reservoirs begin to dispense then, if none of them does harm to another.
+    /// The positions after parts have moved and done what they do there, for each choice of reservoirs that begin to
+    /// dispense; those with contamination are dropped.
     fn arrived(
         &self,
         dues: &[Vec<Due>],
@@ -273,7 +276,7 @@ impl Assay {
                     let next = stand.zip(way).map(|((from, done, rested, moved), way)| {
                         let to = way.end();
                         let moved = if from != to && self.by_sum { instant } else { moved };
-                        // Rest does not count in a step before which others are not done.
+                        // A rest does not count while the parts that it comes after are not far enough.
                         let counts = |due: &Due| !due.is_mixed && due.may_begin(stands);
                         let counts = dues[part].get(done).is_none_or(counts);
                         match way {
@@ -303,7 +306,7 @@ impl Assay {
         all.into_iter().filter_map(allowed).collect()
     }
 
-    /// All droplets on the board in a step, as shared channels see them.
+    /// All droplets on the board in a step, in the form for shared channels.
     fn droplets(&self, dues: &[Vec<Due>], stands: &[Stand], after: &[Stand], splits: &[Pulled]) -> Vec<Droplet> {
         let end = |part: usize| after[part].map(|(cell, ..)| cell);
         let meet = |part: usize| {
@@ -325,7 +328,8 @@ impl Assay {
         (0..after.len()).filter_map(of_part).collect()
     }
 
-    /// The places after a step in which parts come out of others, if those keep apart from all the rest wherever they are in it.
+    /// The places after a step with splits; `None` unless the halves keep the separation from all other parts
+    /// throughout the step.
     fn with_halves(&self, stands: &[Stand], mut after: Vec<Stand>, splits: &[Pulled]) -> Option<Vec<Stand>> {
         for (part, half, ways) in splits {
             for other in (0..after.len()).filter(|other| other != part && other != half) {
@@ -344,7 +348,8 @@ impl Assay {
         Some(after)
     }
 
-    /// What is done by now, in all ways in which reservoirs then begin to dispense, where nothing is near their outlets.
+    /// Completes all dues, for each choice of reservoirs that then begin to dispense; a reservoir begins only if
+    /// nothing is near its outlet.
     fn settled(&self, dues: &[Vec<Due>], mut stands: Vec<Stand>) -> Vec<Vec<Stand>> {
         settle(dues, &mut stands);
         let mut all = vec![stands];
@@ -368,13 +373,13 @@ impl Assay {
         let stand = stands[part];
         let Some((cell, _, rested, _)) = stand else { return vec![None] };
         let next = dues[part].get(stand.map_or(0, |(_, done, ..)| done));
-        // A droplet comes out of its reservoir first.
+        // A dispensed droplet stays until it has come out of its reservoir.
         let stays = next.is_some_and(|due| due.is_dispensed);
         if cell == NOWHERE || stays || (dues[part].is_empty() && !self.may_yield) {
             return vec![Some(Way::To(cell))];
         }
         let round = next.filter(|due| due.is_mixed && (rested > 0 || due.at == cell)).map(|due| {
-            // To the right, up, to the left and down, as far as the loop goes.
+            // Right, up, left and down, around the loop.
             let (c, r) = (cell.0 - due.at.0, cell.1 - due.at.1);
             let (columns, rows) = (self.mixer.0 - 1, self.mixer.1 - 1);
             match (c, r) {
@@ -396,7 +401,8 @@ impl Assay {
         plain.chain(round).chain(split).map(Some).collect()
     }
 
-    /// Whether two parts keep apart wherever they are in a step, but where they merge. Who leaves that again keeps apart there, too.
+    /// Whether two parts keep the separation throughout a step, except where they merge. A part that leaves that place
+    /// again keeps the separation there too.
     fn keep_apart(
         &self,
         dues: &[Vec<Due>],
@@ -427,7 +433,7 @@ impl Assay {
     }
 }
 
-/// The steps since each wait began, a step later; none if one is over too late.
+/// The steps since each wait began, one step later; `None` if a time limit is exceeded.
 fn still_waiting(waits: &[Wait], stands: &[Stand], before: &[Option<u64>]) -> Option<Vec<Option<u64>>> {
     let has = |(part, count): (usize, usize)| stands[part].is_none_or(|(_, done, ..)| done >= count);
     let step = |(wait, before): (&Wait, &Option<u64>)| {
@@ -440,7 +446,7 @@ fn still_waiting(waits: &[Wait], stands: &[Stand], before: &[Option<u64>]) -> Op
     waits.iter().zip(before).map(step).collect()
 }
 
-/// What is done by now.
+/// Marks all dues as done that are complete by now.
 fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
     let due = |stand: Stand, part: usize| stand.and_then(|(_, done, _, _)| dues[part].get(done).copied());
     loop {
@@ -466,13 +472,13 @@ fn settle(dues: &[Vec<Due>], stands: &mut [Stand]) {
     for (part, stand) in stands.iter_mut().enumerate() {
         let next = due(*stand, part);
         if let Some((cell, _, rested, _)) = stand {
-            // Rest counts only where the next thing is to be done, and no longer than that takes.
+            // A rest counts only at the place of the next due, and at most for its duration.
             *rested = next.filter(|next| next.is_mixed || next.at == *cell).map_or(0, |next| (*rested).min(next.stay));
         }
     }
 }
 
-/// The sum of the instants at which parts moved last.
+/// The sum of the instants of the parts' last moves.
 fn moved_last(stands: &[Stand]) -> u64 {
     stands.iter().flatten().map(|(_, _, _, moved)| moved).sum()
 }
@@ -484,32 +490,33 @@ fn no_plan_of_an_assay_beats_its_bound() {
     assert!(20 * clean > planned, "{clean} with `avoid`");
 }
 
-/// As above, with operations that begin soon after others.
+/// As above, with operations that must begin soon after others.
 #[test]
 fn assays_in_a_hurry_agree_with_brute_force() {
     agree(Random::new(11), 10, |chance, assay| assay.hurried(chance));
 }
 
-/// As above, on boards on which channels switch several electrodes.
+/// As above, on boards whose channels switch several electrodes.
 #[test]
 fn assays_on_shared_channels_agree_with_brute_force() {
     agree(Random::new(17), 30, |chance, assay| assay.pinned(chance));
 }
 
-/// As above, on boards on which parts leave where others are dispensed.
+/// As above, on boards on which parts leave at outlets where others are dispensed.
 #[test]
 fn assays_that_leave_at_outlets_agree_with_brute_force() {
     let [planned, .., clean] = agree(Random::new(41), 12, |chance, assay| assay.at_outlets(chance));
     assert!(2 * clean > planned, "{clean} with `avoid`");
 }
 
-/// As above, with places that the plan chooses: the truth is the best of all that it can choose.
+/// As above, with places that the plan chooses: the truth is the best over all choices.
 #[test]
 fn assays_at_places_of_choice_agree_with_brute_force() {
     agree(Random::new(29), 5, |chance, assay| assay.opened(chance));
 }
 
-/// `usual` assays, or as many as are asked for: the plans found, and those of them with splits, with mixing, and with traces that are avoided.
+/// Compares `usual` assays, or as many as requested, with brute force; returns the numbers of plans found, and of those
+/// with splits, with mixing, and with avoided traces.
 fn agree(mut chance: Random, usual: usize, changed: fn(&mut Random, Assay) -> Assay) -> [usize; 4] {
     let cases = cases(usual);
     let (mut judged, mut planned, mut missed, mut optimal) = (0, 0, 0, 0);

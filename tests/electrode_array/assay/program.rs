@@ -6,31 +6,31 @@ use std::collections::VecDeque;
 
 pub type Cell = (i32, i32);
 
-/// Most parts of an assay.
+/// Greatest number of parts in an assay.
 pub const MOST_PARTS: usize = 4;
 
-/// Where a part is that no reservoir has dispensed and no split has made yet: off the board, whose cells count from 1.
+/// Cell of a part that has not been dispensed or split off yet: off the board, whose cells count from 1.
 pub const NOWHERE: Cell = (0, 0);
 
-/// A step of the board of `droplet_chip`.
+/// Duration of a step of the board of `droplet_chip`, in milliseconds.
 pub const STEP_MS: u64 = 60;
 
 #[derive(Clone, Debug)]
 pub enum Operation {
     Move(usize, Vec<Cell>),
     Merge(usize, usize, Cell),
-    /// A part, where if not where it is, and for how many steps.
+    /// A part, the cell unless it stays where it is, and the number of steps.
     Incubate(usize, Option<Cell>, u64),
     Discard(usize, Cell),
-    /// A part, and the number of the reservoir.
+    /// A part, and the index of the reservoir.
     Dispense(usize, usize),
-    /// A part, where if not where it is, and for how many steps at least.
+    /// A part, the corner of the loop unless it is mixed where it is, and the least number of steps.
     Mix(usize, Option<Cell>, u64),
-    /// The new part, the part that it comes out of, where, and where the new one goes.
+    /// The new part, the part that is split, the cell of the split, and the destination of the new part.
     Split(usize, usize, Cell, Cell),
 }
 
-/// What a part is when it is on the board first.
+/// Fluid of a part when it first enters the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fluid {
     Part(usize),
@@ -47,7 +47,7 @@ impl Fluid {
 }
 
 impl Operation {
-    /// The parts whose operation it is.
+    /// The parts that the operation belongs to.
     pub fn parts(&self) -> Vec<usize> {
         match self {
             Operation::Merge(part, with, _) => vec![*part, *with],
@@ -62,7 +62,7 @@ impl Operation {
 }
 
 impl Operation {
-    /// Where it takes place, if that can be left open.
+    /// Its place, if that can be left open.
     fn place(&self) -> Option<Cell> {
         match self {
             Operation::Merge(_, _, at) | Operation::Discard(_, at) => Some(*at),
@@ -71,7 +71,7 @@ impl Operation {
         }
     }
 
-    /// It at another place.
+    /// The operation at another place.
     fn at(&self, at: Cell) -> Operation {
         match *self {
             Operation::Merge(part, with, _) => Operation::Merge(part, with, at),
@@ -82,7 +82,7 @@ impl Operation {
         }
     }
 
-    /// The parts whose operation it is, and the one that it makes.
+    /// The parts that the operation belongs to, and the one that it makes.
     fn all_parts(&self) -> Vec<usize> {
         match self {
             Operation::Split(half, part, ..) => vec![*part, *half],
@@ -102,25 +102,26 @@ pub struct Assay {
     pub separation: i32,
     pub blocks: Vec<Cell>,
     pub parts: Vec<Cell>,
-    /// Their outlets.
+    /// Outlets of the reservoirs.
     pub reservoirs: Vec<Cell>,
-    /// Steps in which a droplet is dispensed.
+    /// Steps that dispensing takes.
     pub dispensing: u64,
     /// Columns and rows of the mixing loop.
     pub mixer: Cell,
     pub may_yield: bool,
     pub by_sum: bool,
     pub operations: Vec<Operation>,
-    /// What must leave no traces in what.
+    /// Pairs of fluids (of, within): the first must leave no traces in the second.
     pub avoided: Vec<(Fluid, Fluid)>,
     pub washes: Vec<Fluid>,
-    /// For each operation the part that has done all that it does above before.
+    /// For each operation, a part whose operations above must be done first.
     pub afters: Vec<Option<usize>>,
-    /// For each operation a part, and the most steps from the end of all that it does above to the beginning of this one.
+    /// For each operation, a part and the most steps from the end of that part's operations above to the beginning of
+    /// this one.
     pub withins: Vec<Option<(usize, u64)>>,
-    /// For each operation further cells of which its place is chosen.
+    /// For each operation, further cells that its place may be chosen from.
     pub among: Vec<Vec<Cell>>,
-    /// Channels that switch several electrodes, which no reservoir's outlet has.
+    /// Channels that switch several electrodes; the outlets of reservoirs have their own.
     pub pins: Option<Pins>,
 }
 
@@ -181,7 +182,7 @@ impl Assay {
         left.iter().all(|one| left.iter().all(|other| keep(one, other))).then(|| assay.ordered(chance))
     }
 
-    /// What a part does next; `left` are those that are not gone, `ends` where each is.
+    /// A random next operation of a part; `left` are the parts that are not gone, `ends` their cells.
     fn operation(
         &mut self,
         chance: &mut Random,
@@ -216,7 +217,7 @@ impl Assay {
             4 => Operation::Incubate(part, None, u64::from(chance.below(5))),
             5 => Operation::Incubate(part, Some(self.far(chance, &[])?), u64::from(chance.below(5))),
             6..=7 => {
-                // Often where it is, or where another has been.
+                // Often its own cell or that of another part.
                 let known: Vec<Cell> =
                     ends.iter().copied().filter(|(column, row)| self.is_free(*column, *row)).collect();
                 let at = if chance.below(2) == 0 {
@@ -237,8 +238,8 @@ impl Assay {
         })
     }
 
-    /// All parts out of reservoirs, each to stay or be mixed at one of two places and to leave: places wait for reservoirs, and parts for
-    /// places.
+    /// Dispenses all parts from reservoirs; each rests or is mixed at one of two places and leaves. Places wait for
+    /// reservoirs, and parts for places.
     fn served(mut self, chance: &mut Random) -> Option<Assay> {
         let first = self.far(chance, &self.reservoirs)?;
         let second = self.far(chance, &[self.reservoirs.as_slice(), &[first]].concat())?;
@@ -258,7 +259,7 @@ impl Assay {
         Some(self)
     }
 
-    /// The same board, on which parts leave at the outlets at which others are dispensed; one may leave traces for the other.
+    /// The same board, with parts that leave at the outlets where others are dispensed; one may contaminate the other.
     pub fn at_outlets(self, chance: &mut Random) -> Assay {
         let mut assay = Assay { blocks: vec![], parts: vec![], reservoirs: vec![], ..self };
         (assay.operations, assay.afters, assay.avoided, assay.washes) = (vec![], vec![], vec![], vec![]);
@@ -291,7 +292,7 @@ impl Assay {
         assay
     }
 
-    /// Has some operations come after those of other parts.
+    /// Makes some operations come after those of other parts.
     fn ordered(mut self, chance: &mut Random) -> Assay {
         let is_ordered = chance.below(2) == 0;
         for place in 0..self.operations.len() {
@@ -304,7 +305,7 @@ impl Assay {
         self.avoiding(chance)
     }
 
-    /// Has some operations begin soon after what others, or their own parts, have done above.
+    /// Makes some operations begin soon after earlier operations of other parts or of their own.
     pub fn hurried(mut self, chance: &mut Random) -> Assay {
         for place in 0..self.operations.len() {
             let earlier: Vec<usize> = self.operations[..place].iter().flat_map(Operation::all_parts).collect();
@@ -318,7 +319,7 @@ impl Assay {
         self
     }
 
-    /// Leaves open where some operations take place, few enough to look at all arrangements.
+    /// Leaves the places of some operations open, few enough to try all arrangements.
     pub fn opened(mut self, chance: &mut Random) -> Assay {
         for place in 0..self.operations.len() {
             let (operation, mut others) = (self.operations[place].clone(), Vec::new());
@@ -338,7 +339,7 @@ impl Assay {
         self
     }
 
-    /// The assays that it can be, with a place for each operation.
+    /// All assays that result from choosing a place for each operation.
     pub fn arrangements(&self) -> Vec<Assay> {
         let mut all = vec![Assay { among: vec![], ..self.clone() }];
         for (place, others) in self.among.iter().enumerate() {
@@ -353,14 +354,14 @@ impl Assay {
         all
     }
 
-    /// On a board with shared channels, sometimes few of them.
+    /// Gives the board shared channels, sometimes only a few.
     pub fn pinned(mut self, chance: &mut Random) -> Assay {
         let few = Pins::random(self.size, &self.reservoirs, chance);
         self.pins = Some(few);
         self
     }
 
-    /// Has some fluids leave no traces in others.
+    /// Forbids some fluids to leave traces in others.
     fn avoiding(mut self, chance: &mut Random) -> Assay {
         let placed = (0..self.parts.len()).filter(|part| self.parts[*part] != NOWHERE).map(Fluid::Part);
         let fluids: Vec<Fluid> = placed.chain((0..self.reservoirs.len()).map(Fluid::Reservoir)).collect();
@@ -376,7 +377,7 @@ impl Assay {
         }
         if !self.avoided.is_empty() && chance.below(2) == 0 {
             let wash = one(chance);
-            // What washes is in no `avoid`.
+            // A washing fluid is in no `avoid`.
             self.avoided.retain(|(of, within)| *of != wash && *within != wash);
             self.washes.extend(Some(wash).filter(|_| !self.avoided.is_empty()));
         }
@@ -403,7 +404,7 @@ impl Assay {
         Some(())
     }
 
-    /// Has a part dispensed that is nowhere yet.
+    /// Dispenses a part that is not on the board yet.
     fn dispense(&mut self, chance: &mut Random, ends: &mut [Cell], part: usize) {
         if ends[part] == NOWHERE {
             let reservoir = chance.below(self.reservoirs.len() as u32) as usize;
@@ -431,7 +432,8 @@ impl Assay {
         (0..40).map(|_| self.cell(chance)).find(|cell| self.is_free(cell.0, cell.1) && keeps(*cell))
     }
 
-    /// How reservoirs make droplets: in a time, or in one or three steps by frames of their pads, which takes no other time.
+    /// The field for how reservoirs dispense: by a duration, or by frames of their pads in one or three steps, which
+    /// take no other time.
     fn dispenses(&self) -> String {
         let (columns, rows) = self.size;
         if self.dispensing == 2 || self.reservoirs.is_empty() {
@@ -491,7 +493,7 @@ impl Assay {
                 false => format!(" among {:?}", std::iter::once(&at).chain(among).collect::<Vec<_>>()),
             };
             let after = match within {
-                // A time of less than a step is as good as none.
+                // A remainder of less than a step has no effect.
                 Some((part, steps)) => format!(" after d{part} within {} ms", steps * STEP_MS + STEP_MS / 2),
                 None => after.map(|part| format!(" after d{part}")).unwrap_or_default(),
             };

@@ -1,13 +1,13 @@
-//! What parts leave on the cells of a board, for the brute force: one bit for each fluid.
+//! Traces of fluids on the cells of a board, for the brute force: one bit per fluid.
 
 use super::Stand;
 use super::program::{Assay, Cell, Fluid, NOWHERE, Operation};
 
 pub struct Traces {
     size: Cell,
-    /// By part and number of things done: its fluids.
+    /// Fluids of each part, by part and number of operations done.
     fluids: Vec<Vec<u32>>,
-    /// What is avoided in what.
+    /// Pairs of fluids (of, within): traces of the first contaminate the second.
     avoided: Vec<(u32, u32)>,
     washes: u32,
 }
@@ -53,19 +53,21 @@ impl Traces {
         Traces { size: assay.size, fluids, avoided, washes }
     }
 
-    /// A board on which nothing is left; of no cells where nothing is avoided.
+    /// A board without traces; without cells if no contamination is possible.
     pub fn clean(&self) -> Vec<u32> {
         let cells = if self.avoided.is_empty() { 0 } else { self.size.0 * self.size.1 };
         vec![0; cells as usize]
     }
 
-    /// What is left once parts have come to some cells and done there what they do; none if one of them comes to what it must not touch.
+    /// The traces after parts have arrived at cells and done what they do there; `None` if one of them touches a trace
+    /// that contaminates it.
     pub fn left(&self, cells: &[Option<Cell>], stands: &[Stand], left: &[u32]) -> Option<Vec<u32>> {
         let mut left = left.to_vec();
         if left.is_empty() {
             return Some(left);
         }
-        // Who was here in this step already; who leaves as another is dispensed there is there with it.
+        // Droplets that were on a cell in this step already: one that leaves while another is dispensed there shares
+        // the cell with it.
         let mut now: Vec<(Cell, u32)> = Vec::new();
         let there = stands.iter().enumerate().filter_map(|(part, stand)| {
             let (cell, own) = match stand {
@@ -75,7 +77,7 @@ impl Traces {
             Some((cell.filter(|cell| *cell != NOWHERE)?, own))
         });
         let mut there: Vec<(Cell, u32)> = there.collect();
-        // What a wash takes away is gone at the instant at which it comes.
+        // Washes come first, because they remove traces at the instant at which they arrive.
         there.sort_by_key(|(_, own)| own & !self.washes != 0);
         for ((column, row), own) in there {
             let here = &mut left[((row - 1) * self.size.0 + column - 1) as usize];

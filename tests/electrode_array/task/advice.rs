@@ -1,11 +1,11 @@
-//! The mends that messages name, tried out.
+//! Tests the fixes that messages suggest.
 
 use super::*;
 
-/// Follows what is said of the task without some obstacles or with parts that yield; whether anything is.
+/// Follows the advice to remove some obstacles or let parts yield; returns whether there was any.
 pub(super) fn remedied(task: &Task, reported: &str) -> bool {
     let (plan, none) = ("there is a plan", "the task has no plan either");
-    // Of several reports one tells what becomes of the task.
+    // One of several reports says whether the task has a plan then.
     let Some(told) = reported.lines().find(|line| line.contains(plan) || line.contains(none)) else { return false };
     let is_plan = told.contains(plan);
     let (_, help) = told.split_once("; ").expect("a report has a help");

@@ -1,4 +1,4 @@
-//! The truth itself, where it can be counted by hand.
+//! The brute force itself, in cases that can be counted by hand.
 
 use super::*;
 
@@ -17,7 +17,7 @@ fn all_plans_of_one_part_are_counted_by_hand() {
         pins: None,
     };
     let all = task.all();
-    // Three cells away: each step is a move or a wait, and moves back come in pairs with moves forth.
+    // The goal is three cells away: each step is a move or a wait, and backward moves are paired with forward ones.
     let expected = |steps: u64| (3..=steps).filter(|moves| moves % 2 == 1).map(move |moves| [steps, steps, moves]);
     assert_eq!(all, (3..=MOST_STEPS).flat_map(expected).collect());
     let past = Step { moves: vec![(0, vec![(5, 1)])], ..Step::default() };

@@ -1,8 +1,9 @@
-//! Whole tasks against brute force: random programs of one or two steps on tiny boards, with limits, and every possible plan.
+//! Whole tasks compared with brute force: random programs of one or two steps on tiny boards, with limits, and every
+//! possible plan.
 //!
-//! The truth is found without the planner: instant by instant, all joint positions with all sums of costs and moves that lead to them,
-//! up to [`MOST_STEPS`] for each step of the task. `TWEEZE_ORACLE_CASES=1000` runs 1000 tasks for each objective, each
-//! without limits and with three sets of limits.
+//! The truth is found without the planner: instant by instant, all joint positions with all sums of costs and moves
+//! that lead to them, up to [`MOST_STEPS`] for each step of the task. `TWEEZE_ORACLE_CASES=1000` runs 1000 tasks for
+//! each objective, each without limits and with three sets of limits.
 
 mod advice;
 mod counted;
@@ -16,15 +17,15 @@ use advice::{advice, remedied};
 use std::collections::{BTreeSet, HashSet};
 use tweeze::plan::{Optimality, Plan};
 
-/// Longer plans of a step of the task are not looked at.
+/// Longer plans of a step of the task are not considered.
 const MOST_STEPS: u64 = 9;
 
-/// Steps, sum of costs and moves.
+/// Steps, sum of costs and moves, in this order.
 type Figures = [u64; 3];
 
 const NAMES: [&str; 3] = ["steps", "sum_of_costs", "moves"];
 
-/// A step of the task: what each part is asked, and who merges with whom, and where.
+/// A step of the task: the goals of the parts, and which parts merge where.
 #[derive(Clone, Debug, Default)]
 struct Step {
     /// Part and its stops, the goal last.
@@ -33,7 +34,7 @@ struct Step {
     wait_ms: u64,
 }
 
-/// What the parts are: how far apart their centres keep, and how far from electrodes under obstacles and from the rim.
+/// Kind of parts: separation of their centres, and clearance from electrodes under obstacles and from the rim.
 #[derive(Clone, Copy, Debug)]
 struct Kind {
     device: &'static str,
@@ -58,16 +59,16 @@ const MICROPARTS: Kind = Kind {
     can_merge: false,
 };
 
-/// What stands in the way.
+/// An obstacle.
 #[derive(Clone, Copy, Debug)]
 enum Obstacle {
     /// The lower and the upper corner.
     Block((i32, i32), (i32, i32)),
-    /// A part that is stuck.
+    /// A stuck part.
     Stuck((i32, i32)),
-    /// A place of a board of droplets that has no electrode.
+    /// A cell without an electrode, on a board of droplets.
     Gap((i32, i32)),
-    /// One whose electrode does not work.
+    /// A cell with a defective electrode.
     Disabled((i32, i32)),
 }
 
@@ -83,7 +84,7 @@ impl Obstacle {
         }
     }
 
-    /// What the scene says of it; nothing of what the device says.
+    /// Its text in the scene; `None` if it belongs to the device.
     fn text(self, kind: Kind) -> Option<String> {
         match self {
             Obstacle::Block(low, high) if low == high => Some(format!("at {low:?}")),
@@ -170,7 +171,7 @@ impl Task {
         }
     }
 
-    /// Whether a part's centre may be on a cell, as far as the board goes.
+    /// Whether a part's centre may be on a cell.
     fn is_free(&self, cell: (i32, i32)) -> bool {
         let within = |at: i32, size: i32| at > self.kind.rim && at <= size - self.kind.rim;
         within(cell.0, self.size.0)
@@ -178,7 +179,7 @@ impl Task {
             && self.obstacles.iter().all(|obstacle| obstacle.allows(self.kind, cell))
     }
 
-    /// A free cell that keeps the distance from others.
+    /// A random free cell that keeps the separation from others.
     fn far(&self, chance: &mut Random, taken: &[(i32, i32)]) -> Option<(i32, i32)> {
         let keeps = |cell: (i32, i32)| taken.iter().all(|other| apart(cell, *other) >= self.kind.separation);
         (0..40).map(|_| self.cell(chance)).find(|cell| self.is_free(*cell) && keeps(*cell))
@@ -211,12 +212,12 @@ impl Task {
         !self.obstacles.iter().any(|other| matches!(other, Obstacle::Gap(at) if *at == cell))
     }
 
-    /// Whether shared channels allow some steps at the same time.
+    /// Whether shared channels allow some moves in the same step.
     fn allows(&self, droplets: &[Droplet]) -> bool {
         self.pins.as_ref().is_none_or(|pins| pins.allow(droplets, |cell| self.has_electrode(cell)))
     }
 
-    /// The fields of the device that say where no electrode is, and where one does not work.
+    /// The fields of the device for missing and defective electrodes.
     fn map(&self) -> String {
         let (columns, rows) = self.size;
         let gap = |cell: (i32, i32)| !self.has_electrode(cell);
@@ -328,7 +329,7 @@ impl Task {
     }
 }
 
-/// One part in a step: where it starts and what it must come by; none is asked of one that yields but to come back.
+/// A part during a step: its start and its stops. A part that yields only has to come back.
 struct Part {
     start: (i32, i32),
     stops: Vec<(i32, i32)>,
@@ -341,7 +342,7 @@ struct Stage<'a> {
     parts: Vec<Part>,
 }
 
-/// Column, row, stops done, whether it has arrived for good.
+/// Column, row, number of stops passed, and whether it has arrived for good.
 type At = (i32, i32, usize, bool);
 
 impl<'a> Stage<'a> {
@@ -360,7 +361,7 @@ impl<'a> Stage<'a> {
         stage
     }
 
-    /// A part that comes to a cell, in each way in which it can have arrived.
+    /// The states of a part that comes to a cell: under way or, at its goal, arrived for good.
     fn come(&self, part: usize, cell: (i32, i32), done: usize, from: Option<At>) -> Vec<At> {
         let Part { stops, merges, .. } = &self.parts[part];
         let mut done = done;
@@ -398,7 +399,7 @@ impl<'a> Stage<'a> {
         apart(cell, beside) < self.task.kind.separation && !excused
     }
 
-    /// All joint positions one instant later.
+    /// All joint positions one step later.
     fn after(&self, from: &[At]) -> Vec<Vec<At>> {
         let mut heads: Vec<Vec<At>> = vec![vec![]];
         for part in 0..from.len() {
@@ -421,7 +422,7 @@ impl<'a> Stage<'a> {
         heads
     }
 
-    /// All parts in a step, those that stay too.
+    /// All droplets in a step, including those that stay.
     fn droplets(&self, from: &[At], to: &[At]) -> Vec<Droplet> {
         let of_part = |part: usize| {
             let others = (0..to.len()).filter(|other| *other != part && self.parts[*other].merges);
@@ -463,7 +464,7 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// A limit near a plan that there is.
+/// A random limit near the figures of an existing plan.
 fn limit(all: &BTreeSet<Figures>, chance: &mut Random) -> (&'static str, &'static str, u64) {
     let near = all.iter().nth(chance.below(all.len().clamp(1, 30) as u32) as usize).copied().unwrap_or([3, 5, 5]);
     let outcome = ["steps", "time", "sum_of_costs", "moves"][chance.below(4) as usize];
@@ -476,7 +477,7 @@ fn figures(plan: &Plan<()>) -> Figures {
     NAMES.map(|name| plan.outcomes[name] as u64)
 }
 
-/// What a program showed: a proven plan, an open one, a proof that there is none, nothing.
+/// Counts of outcomes: a proven plan, an open one, a proof that there is none, nothing.
 #[derive(Default, Debug)]
 struct Seen {
     proven: usize,
@@ -484,7 +485,7 @@ struct Seen {
     refuted: usize,
     none: usize,
     unknown: usize,
-    /// Helps that say what the task comes to without what is in the way.
+    /// Number of helps that say what the task would cost without some obstacles.
     remedies: usize,
 }
 
@@ -500,7 +501,7 @@ fn compare(task: &Task, all: &BTreeSet<Figures>, seen: &mut Seen) {
             let is_long = reached[0] > MOST_STEPS;
             assert!(is_long || kept.contains(&&reached), "{reached:?} is no plan\n{text}");
             assert!(task.keeps(&reached), "{reached:?}\n{text}");
-            // A plan with less would be within the steps that were looked at.
+            // A cheaper plan would be within the steps considered.
             let truth = best.filter(|best| *best <= MOST_STEPS);
             assert!(
                 truth.is_none_or(|truth| plan.bound as u64 <= truth),
@@ -552,7 +553,7 @@ fn tasks_agree_with_all_their_plans() {
     let (mut kinds, mut yields, mut merges) = ([0; 5], 0, 0);
     while done < 2 * cases {
         let Some(mut task) = Task::random(&mut chance) else { continue };
-        // As many of each objective.
+        // Equal numbers of both objectives.
         task.by_sum = done % 2 == 1;
         if matches!(answered(&task.text()), Answered::Unfit) {
             continue;

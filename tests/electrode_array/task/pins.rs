@@ -1,9 +1,9 @@
-//! Tasks of droplets on boards with shared channels against all their plans.
+//! Tasks of droplets on boards with shared channels, compared with all their plans.
 
 use super::*;
 
 impl Task {
-    /// Gives a board of droplets shared channels; sometimes it does not hold them.
+    /// Gives a board of droplets shared channels, which sometimes do not hold resting droplets.
     fn pinned(mut self, chance: &mut Random) -> Task {
         let mut pins = Pins::random(self.size, &[], chance);
         pins.is_held = chance.below(3) > 0;

@@ -1,15 +1,16 @@
-//! Puts a set of files into a folder so that a kill at any instant loses nothing: the next build finds the whole old set, or completes
-//! the new one.
+//! Crash-safe replacement of a set of files in a folder: after a kill at any instant, the next build finds the complete
+//! old set or completes the new one.
 //!
-//! 1. The files are written beside their places, under names that begin with `.tweeze-`, and synchronised.
-//! 2. A journal that lists them is written beside its own place, synchronised, and renamed to [`JOURNAL`]. From here on the set counts
-//!    as the new one.
-//! 3. Each file is renamed over its target, which a reader therefore never finds missing; then the journal is removed.
+//! 1. The files are staged beside their targets, under names that begin with `.tweeze-`, and synchronised.
+//! 2. A journal that lists them is written under a draft name, synchronised, and renamed to [`JOURNAL`]. From then on
+//!    the new set is valid.
+//! 3. Each file is renamed over its target, so that a reader never finds it missing; then the journal is removed.
 //!
-//! The next build into the folder, or verification of a log in it, first completes a journal that was left; the next build removes staged
-//! files without a journal. A set of one file needs no journal: its one rename is the commit. If a rename fails, a journal of the old
-//! files is written, which were kept by hard links. The folder is locked all the time. If the process is asked to end, it removes staged
-//! files before the journal counts, and completes the journal after that.
+//! The next build into the folder, or the verification of a log in it, first completes a journal that was left behind.
+//! The next build also removes staged files without a journal. A set of one file needs no journal: its single rename is
+//! the commit. If a rename fails, a journal that restores the old files is written; they were kept by hard links. The
+//! folder is locked all the time. If the process is asked to end, it removes staged files before the journal is valid,
+//! and completes the journal afterwards.
 
 use super::signals;
 use serde::{Deserialize, Serialize};
@@ -25,25 +26,26 @@ const PREFIX: &str = ".tweeze-";
 /// The journal's name.
 pub const JOURNAL: &str = ".tweeze-journal";
 
-/// The journal before it counts.
+/// Name of the journal before it is valid.
 const DRAFT: &str = ".tweeze-draft";
 
-/// Interval of polling a folder that another build has locked.
+/// Polling interval for a folder that another build has locked.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// Whether a journal can identify its own files by number, so that others of the same names are not touched.
+/// Whether a journal can identify its own files by inode number, so that other files with the same names are not
+/// touched.
 pub const KNOWS_FILES: bool = cfg!(unix);
 
-/// A failed operation, and its file.
+/// A failed operation and the file that it was for.
 #[derive(Debug)]
 pub struct DiskFault {
     pub path: PathBuf,
     pub error: io::Error,
 }
 
-/// The acts that change a folder, so that tests can end a process before any of them.
+/// File operations that change a folder; a trait, so that tests can end a process before any of them.
 pub trait Acts {
-    /// Makes a file of these bytes and synchronises it.
+    /// Writes a file and synchronises it.
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let mut options = OpenOptions::new();
         options.write(true).create(true).truncate(true);
@@ -52,7 +54,7 @@ pub trait Acts {
         file.sync_all()
     }
 
-    /// An error once the process is asked to end. Operations that must be finished do not call it.
+    /// An error once the process is asked to end. Operations that must be completed do not call it.
     fn go_on(&self) -> io::Result<()> {
         Ok(())
     }
@@ -69,7 +71,7 @@ pub trait Acts {
         fs::remove_file(path)
     }
 
-    /// Synchronises the names in a folder, where folders can be opened.
+    /// Synchronises the directory entries of a folder, on systems where folders can be opened.
     fn sync(&self, folder: &Path) -> io::Result<()> {
         if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
     }
@@ -87,21 +89,21 @@ impl Acts for RealDisk {
 /// Pending operations, by names in the folder.
 #[derive(Debug, Default, Serialize, Deserialize)]
 struct Journal {
-    /// Those whose files are gone were made already.
+    /// Moves whose source files are gone have already been made.
     moves: Vec<Move>,
     remove: Vec<FileRemoval>,
 }
 
-/// From a name to a name.
+/// A rename within the folder.
 #[derive(Debug, Serialize, Deserialize)]
 struct Move {
     from: String,
     to: String,
-    /// The file's number on the disk, from [`number`]: a journal that came with a folder from elsewhere moves nothing.
+    /// Inode number of the file, from [`number`]: a journal that was copied with a folder from elsewhere moves nothing.
     number: Option<u64>,
 }
 
-/// A file that was put where none was.
+/// Removal of a file that did not exist before the build.
 #[derive(Debug, Serialize, Deserialize)]
 struct FileRemoval {
     name: String,
@@ -109,7 +111,8 @@ struct FileRemoval {
 }
 
 impl Journal {
-    /// Whether it only names files of the folder, and moves only files that a build left there. A folder may come from anywhere.
+    /// Whether it names only files in the folder, and moves only files that a build staged there; the folder may come
+    /// from anywhere.
     fn is_sound(&self) -> bool {
         let is_name = |name: &str| Path::new(name).file_name().is_some_and(|plain| plain == name);
         let removed = self.remove.iter().map(|removal| &removal.name);
@@ -117,7 +120,7 @@ impl Journal {
             && self.moves.iter().map(|step| &step.to).chain(removed).all(|to| is_name(to) && !to.starts_with(PREFIX))
     }
 
-    /// Whether the files that it moves are those that it was written for.
+    /// Whether the files that it moves are the ones that it was written for.
     fn is_of(&self, folder: &Path) -> bool {
         let is_own = |step: &Move| {
             let from = folder.join(&step.from);
@@ -127,13 +130,13 @@ impl Journal {
     }
 }
 
-/// The number of a file on its disk, where the system has one; `None` if there is no such file.
+/// Inode number of a file, on systems that have one; `None` if there is no such file.
 #[cfg(unix)]
 fn number(path: &Path) -> Option<u64> {
     path.symlink_metadata().ok().map(|about| std::os::unix::fs::MetadataExt::ino(&about))
 }
 
-/// Such numbers cannot be asked for here.
+/// Inode numbers are not available here.
 #[cfg(not(unix))]
 fn number(_path: &Path) -> Option<u64> {
     None
@@ -143,12 +146,12 @@ fn number(_path: &Path) -> Option<u64> {
 pub struct Folder<'a> {
     path: &'a Path,
     acts: &'a dyn Acts,
-    /// Held for its lock.
+    /// Holds the lock.
     _lock: File,
 }
 
 impl<'a> Folder<'a> {
-    /// Waits until no other build uses the folder, and finishes the work of a build that was killed.
+    /// Waits until no other build uses the folder, and completes the work of a build that was killed.
     pub fn open(path: &'a Path, acts: &'a dyn Acts) -> Result<Folder<'a>, DiskFault> {
         let lock = lock(path, acts).map_err(|error| DiskFault { path: path.to_owned(), error })?;
         let folder = Folder { path, acts, _lock: lock };
@@ -161,7 +164,7 @@ impl<'a> Folder<'a> {
         move |error| DiskFault { path: path.clone(), error }
     }
 
-    /// Carries out a journal, and clears files of builds that came to no journal.
+    /// Carries out a journal, and removes files of builds that did not get as far as a journal.
     fn finish(&self) -> Result<(), DiskFault> {
         let path = self.path.join(JOURNAL);
         match fs::read(&path) {
@@ -197,14 +200,15 @@ impl<'a> Folder<'a> {
         self.acts.sync(self.path).map_err(self.fault(""))
     }
 
-    /// Takes away files that only a build can have left, unless a journal still needs them; one that cannot be removed does no harm.
+    /// Removes files that only a build can have left, unless a journal still needs them; one that cannot be removed
+    /// does no harm.
     fn clear(&self) {
         if self.path.join(JOURNAL).symlink_metadata().is_ok() {
             return;
         }
         for entry in fs::read_dir(self.path).into_iter().flatten().flatten() {
             let is_left = entry.file_name().to_string_lossy().starts_with(PREFIX);
-            // Where a target was a link, so is what was kept of it.
+            // If a target was a symbolic link, the old file that was kept is one too.
             if is_left && entry.file_type().is_ok_and(|kind| kind.is_file() || kind.is_symlink()) {
                 let _ = self.acts.remove(&entry.path());
             }
@@ -245,7 +249,7 @@ impl<'a> Folder<'a> {
         let way_back = self.way_back(journal)?;
         self.publish(journal)?;
         if let Err(fault) = self.carry_out(journal) {
-            // The old files count again before the first of them is moved back.
+            // The old set becomes valid again before the first of its files is moved back.
             self.publish(&way_back)?;
             self.finish()?;
             return Err(fault);
@@ -254,7 +258,7 @@ impl<'a> Folder<'a> {
         self.acts.sync(self.path).map_err(self.fault(""))
     }
 
-    /// The journal that would restore the old files, which are kept under second names.
+    /// Keeps the old files under second names, and returns the journal that would restore them.
     fn way_back(&self, journal: &Journal) -> Result<Journal, DiskFault> {
         let mut back = Journal::default();
         for (index, Move { to: name, number: of_new, .. }) in journal.moves.iter().enumerate() {
@@ -266,7 +270,7 @@ impl<'a> Folder<'a> {
                     back.remove.push(FileRemoval { name: name.clone(), number: *of_new });
                     continue;
                 }
-                // Some disks have no hard links: the old file is copied.
+                // Some file systems have no hard links; the old file is copied there.
                 Err(_) => {
                     let bytes = fs::read(&target).map_err(self.fault(name))?;
                     self.acts.write(&copy, &bytes).map_err(self.fault(name))?;
@@ -277,7 +281,7 @@ impl<'a> Folder<'a> {
         Ok(back)
     }
 
-    /// Makes a journal count, in place of one that does.
+    /// Makes a journal valid, replacing any other.
     fn publish(&self, journal: &Journal) -> Result<(), DiskFault> {
         let bytes = serde_json::to_vec(journal).expect("names are JSON");
         self.acts.write(&self.path.join(DRAFT), &bytes).map_err(self.fault(DRAFT))?;
@@ -287,13 +291,14 @@ impl<'a> Folder<'a> {
     }
 }
 
-/// Names that one folder of one kind of disk or another would take for the same.
+/// The first name that some file system would take for an earlier one.
 pub fn twice<'n>(names: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     let mut met = BTreeSet::new();
     names.into_iter().find(|name| !met.insert(name.to_lowercase()))
 }
 
-/// Locks a folder against other builds and waits for them. The system gives the lock back when the process ends, however it does.
+/// Locks a folder against other builds and waits for them. The system releases the lock when the process ends, however
+/// it ends.
 fn lock(folder: &Path, acts: &dyn Acts) -> io::Result<File> {
     let file = match cfg!(unix) {
         true => File::open(folder)?,
@@ -303,7 +308,7 @@ fn lock(folder: &Path, acts: &dyn Acts) -> io::Result<File> {
         match file.try_lock() {
             Ok(()) => return Ok(file),
             Err(TryLockError::WouldBlock) => acts.go_on()?,
-            // Some network disks have no locks; concurrent builds are not kept apart there.
+            // Some network file systems have no locks; concurrent builds are not separated there.
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => return Ok(file),
             Err(TryLockError::Error(error)) => return Err(error),
         }

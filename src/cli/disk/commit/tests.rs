@@ -1,4 +1,5 @@
-//! A process that dies before any of its acts leaves the whole old set or the whole new one to the next build.
+//! A process that dies before any of its operations leaves the complete old set or the complete new one to the next
+//! build.
 
 use super::*;
 use std::cell::Cell;
@@ -14,7 +15,7 @@ impl Mortal {
         Mortal { left: Cell::new(left) }
     }
 
-    /// Fails for ever once the life is over: a dead process changes nothing any more.
+    /// Fails for ever once the operations are used up: a dead process changes nothing any more.
     fn live(&self) -> io::Result<()> {
         let left = self.left.get();
         self.left.set(left.saturating_sub(1));
@@ -26,7 +27,7 @@ impl Acts for Mortal {
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let is_last = self.left.get() == 1;
         self.live()?;
-        // The last act of a life is half done.
+        // The last operation is only half done.
         RealDisk.write(path, if is_last { &bytes[..bytes.len() / 2] } else { bytes })
     }
 
@@ -152,7 +153,7 @@ fn a_journal_from_a_stranger_changes_nothing() {
     }
 }
 
-/// Only the file that a build put there is removed, and no other of its name.
+/// Only the file that a build wrote is removed, not another one with its name.
 #[cfg(unix)]
 #[test]
 fn a_removal_is_of_one_file() {
@@ -191,7 +192,7 @@ fn a_build_that_is_asked_to_end_leaves_the_old_set_and_nothing_else() {
     }
 }
 
-/// A build that waits for another can be asked to end as well.
+/// A build that waits for another one can be interrupted too.
 #[test]
 fn waiting_for_a_folder_can_be_interrupted() {
     let folder = tempfile::tempdir().expect("a folder");

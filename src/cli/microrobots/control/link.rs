@@ -1,4 +1,4 @@
-//! Where lines come from and go to: standard input and output, or one connection over a socket of this machine.
+//! Transport of lines: standard input and output, or one connection over a local socket.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 /// The longest line that is read, in bytes.
 const MAX_LINE_BYTES: u64 = 1024 * 1024;
 
-/// Lines that may wait for the controller.
+/// Greatest number of lines that wait for the controller.
 const WAITING_LINES: usize = 64;
 
 /// A line of the input with its number, from 1.
 pub struct Incoming {
     pub number: u64,
-    /// The error is why it cannot be read: longer than [`MAX_LINE_BYTES`], or no UTF-8.
+    /// The error is why it cannot be read: longer than [`MAX_LINE_BYTES`], or not UTF-8.
     pub line: Result<String, &'static str>,
 }
 
@@ -24,21 +24,22 @@ pub struct Link {
     pub answers: Answers,
 }
 
-/// How often a signal is looked for while nothing comes, nobody connects, or nobody reads.
+/// Interval at which signals are polled while no line comes, nobody connects, or nobody reads.
 pub const INTERRUPT_LOOK: Duration = Duration::from_millis(20);
 
-/// Lines to whoever carries the commands out. They are written in a thread of its own, so that waiting for a reader can end.
+/// Lines to the peer that carries out commands. A separate thread writes them, so that waiting for a reader can be
+/// interrupted.
 pub struct Answers {
     texts: SyncSender<String>,
     written: Receiver<bool>,
-    /// Whether a line is still waiting for its reader: no other one can go out.
+    /// Whether a line is still waiting for its reader; no other line can be sent then.
     is_stuck: bool,
 }
 
-/// Why a line did not go out.
+/// Why a line was not sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NotTaken {
-    /// The reader has gone, or did not read in time.
+    /// The reader is gone, or did not read in time.
     Unread,
     Interrupted,
 }
@@ -50,10 +51,10 @@ impl Answers {
         Answers { texts, written, is_stuck: false }
     }
 
-    /// Hands a line over, within some time.
+    /// Sends a line and waits until it is written, at most for a given time.
     ///
     /// # Errors
-    /// If it is not taken; then no other line is.
+    /// The line was not written; later lines are refused too.
     pub fn send(&mut self, text: &str, within: Duration, is_interrupted: impl Fn() -> bool) -> Result<(), NotTaken> {
         if self.is_stuck || self.texts.send(text.to_owned()).is_err() {
             return Err(NotTaken::Unread);
@@ -85,7 +86,7 @@ fn write(mut to: impl Write, lines: &Receiver<String>, done: &SyncSender<bool>) 
     }
 }
 
-/// Where to listen.
+/// Address to listen at.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Address {
     Tcp(SocketAddr),
@@ -94,10 +95,10 @@ pub enum Address {
 }
 
 impl Address {
-    /// From `HOST:PORT` or `unix:PATH`.
+    /// Parses `HOST:PORT` or `unix:PATH`.
     ///
     /// # Errors
-    /// What is wrong with it, for people: only this machine itself may be named.
+    /// A message that says what is wrong; only addresses of this machine are allowed.
     pub fn parse(text: &str) -> Result<Address, String> {
         if let Some(path) = text.strip_prefix("unix:") {
             #[cfg(unix)]
@@ -117,15 +118,15 @@ impl Address {
     }
 }
 
-/// Standard input and output.
+/// Connection over standard input and output.
 pub fn standard() -> Link {
     Link { lines: reader(io::stdin()), answers: Answers::to(io::stdout()) }
 }
 
-/// Whether an address can be listened at, before work is done for a connection that nobody can make.
+/// Checks whether an address can be listened at, before work is done for a connection that cannot be made.
 ///
 /// # Errors
-/// If it cannot.
+/// It cannot be listened at.
 pub fn check(address: &Address) -> io::Result<()> {
     match address {
         Address::Tcp(address) => TcpListener::bind(address).map(drop),
@@ -137,10 +138,11 @@ pub fn check(address: &Address) -> io::Result<()> {
     }
 }
 
-/// Waits for one connection; `ready` is called with the address once it can be made. `None` if it was interrupted before.
+/// Waits for one connection; `ready` is called with the address once clients can connect. `None` if it was interrupted
+/// first.
 ///
 /// # Errors
-/// If the address cannot be listened at.
+/// The address cannot be listened at.
 pub fn accepted(
     address: &Address,
     ready: impl FnOnce(&str),
@@ -162,7 +164,7 @@ pub fn accepted(
             listener.set_nonblocking(true)?;
             ready(&format!("unix:{}", path.display()));
             let accepted = first(|| listener.accept(), is_interrupted);
-            // The name has done its work.
+            // The name is needed only for connecting.
             let _ = std::fs::remove_file(path);
             let Some((stream, _)) = accepted? else { return Ok(None) };
             stream.set_nonblocking(false)?;
@@ -171,7 +173,7 @@ pub fn accepted(
     }
 }
 
-/// The first connection; `None` if it was interrupted before.
+/// The first connection; `None` if it was interrupted first.
 fn first<C>(accept: impl Fn() -> io::Result<C>, is_interrupted: impl Fn() -> bool) -> io::Result<Option<C>> {
     loop {
         match accept() {
@@ -185,7 +187,7 @@ fn first<C>(accept: impl Fn() -> io::Result<C>, is_interrupted: impl Fn() -> boo
     }
 }
 
-/// Reads lines in a thread of its own, so that waiting for one can end.
+/// Reads lines in a separate thread, so that waiting for one can be interrupted.
 pub fn reader(from: impl Read + Send + 'static) -> Receiver<Incoming> {
     let (to, lines) = sync_channel(WAITING_LINES);
     std::thread::spawn(move || read(from, &to));
@@ -209,7 +211,7 @@ fn read(from: impl Read, to: &SyncSender<Incoming>) {
                 Err("a line is longer than 1 MiB")
             }
             (true, Err(_)) => Err("a line is not UTF-8"),
-            // Not passed on: a stream of empty lines is silence, and the watchdog must see it.
+            // Skipped: a stream of empty lines is silence, and the watchdog must notice it.
             (true, Ok(line)) if line.trim().is_empty() => continue,
             (true, Ok(line)) => Ok(line),
         };
@@ -219,7 +221,7 @@ fn read(from: impl Read, to: &SyncSender<Incoming>) {
     }
 }
 
-/// Leaves out the rest of a line.
+/// Skips the rest of a line.
 fn skip_line(from: &mut impl BufRead) -> io::Result<()> {
     loop {
         let buffer = from.fill_buf()?;

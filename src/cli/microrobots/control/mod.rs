@@ -1,4 +1,5 @@
-//! `tweeze control`: brings robots to their goals by measured poses, which come as lines, and answers each with a command.
+//! `tweeze control`: drives robots to their goals from measured poses; each line of measurements is answered with a
+//! command.
 
 mod link;
 mod protocol;
@@ -30,10 +31,10 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-/// So many lines in a row may be no measurements.
+/// Greatest number of consecutive lines that may be invalid.
 const MAX_GARBLED: u32 = 5;
 
-/// Builds and verifies the program, then controls its task until it is done or given up.
+/// Plans and verifies the program, then controls its task until it is finished or given up.
 pub fn run(arguments: &ControlArguments) -> Exit {
     let options = Options { settings: arguments.settings.set.clone(), only: arguments.task.clone() };
     let loaded = match Loaded::read(&arguments.file, options, &arguments.report) {
@@ -82,7 +83,8 @@ pub fn run(arguments: &ControlArguments) -> Exit {
     serve(arguments, claims, &provenance, order, &planned.motion, lines)
 }
 
-/// The order of a task that can be controlled: one run of one bed, without a wait for anything else; or why there is none.
+/// The order of a task that can be controlled: a single run on one bed that waits for nothing else; otherwise the
+/// reason why there is none.
 pub(super) fn controlled_bed(claims: &Claims) -> Result<&MicrorobotsOrder, String> {
     let name = &claims.name;
     let [job] = claims.jobs.as_slice() else { return Err(no_bed(name)) };
@@ -102,7 +104,7 @@ fn no_bed(name: &str) -> String {
     )
 }
 
-/// Says why a program is not controlled.
+/// Reports why a program cannot be controlled.
 pub(super) fn refused(why: &str) -> Exit {
     terminal::to_stderr(&format!("tweeze: {why}\n"));
     Exit::Usage
@@ -121,7 +123,7 @@ fn not_listening(address: &Address, error: &std::io::Error) -> Exit {
     let left = match address {
         #[cfg(unix)]
         Address::Unix(path) if error.kind() == std::io::ErrorKind::AddrInUse => {
-            // To find out would take the place of whoever the other one waits for.
+            // A test connection would be accepted in place of the peer that the other process waits for.
             format!("; delete `{}` if a process that was killed has left it", path.display())
         }
         #[cfg(unix)]
@@ -132,7 +134,7 @@ fn not_listening(address: &Address, error: &std::io::Error) -> Exit {
     Exit::Files
 }
 
-/// Connects and controls.
+/// Connects and runs the control loop.
 fn serve(
     arguments: &ControlArguments,
     claims: &Claims,
@@ -158,7 +160,7 @@ fn serve(
         Ok(link) => link,
         Err(exit) => {
             drop(recorder);
-            // Nothing was exchanged: what has been begun is no recording.
+            // Nothing was exchanged, so the file that was begun is not a recording.
             arguments.record.iter().for_each(|path| drop(std::fs::remove_file(path)));
             return exit;
         }
@@ -187,7 +189,7 @@ fn serve(
     if session.is_unrecorded { Exit::Files } else { exit }
 }
 
-/// The connection to whoever measures and carries the commands out.
+/// Connects to the peer that measures and carries out commands.
 fn connected(listen: Option<&Address>, interrupt: &RunStop) -> Result<Link, Exit> {
     let Some(address) = listen else { return Ok(link::standard()) };
     let ready = |at: &str| terminal::to_stderr(&format!("tweeze: listening at {at}\n"));
@@ -201,7 +203,7 @@ fn connected(listen: Option<&Address>, interrupt: &RunStop) -> Result<Link, Exit
     }
 }
 
-/// What must be granted to the drives of a task whose precision is finer than they can be brought to.
+/// Message for a task whose precision is finer than its drives can reach: the tolerances that `verify` needs.
 fn beyond_precision([place_um, heading_rad]: [f64; 2]) -> String {
     let (place, heading) = (place_um.ceil(), heading_rad.to_degrees().ceil());
     let granted = [("--goal-tolerance", place, "um"), ("--heading-tolerance", heading, "deg")].into_iter();
@@ -233,17 +235,17 @@ struct Session<'a> {
     lines: Vec<u32>,
     recorder: Option<Recorder<BufWriter<File>>>,
     record_path: Option<&'a Path>,
-    /// Whether the recording could not be written to its end, which was reported.
+    /// Whether writing the recording has failed; the failure was reported.
     is_unrecorded: bool,
     report: ReportFormat,
     answers: Answers,
     interrupt: RunStop,
     /// Time of the last measurement.
     t_ns: u64,
-    /// When the watchdog ends the task, by this machine's clock; `None` before the first measurement, when the robots rest. Only a new
-    /// command moves it: a camera whose clock stands still sends measurements for ever.
+    /// When the watchdog ends the task, by this machine's clock; `None` before the first measurement, when the robots
+    /// are at rest. Only a new command moves it, because a camera whose clock has stopped sends measurements for ever.
     late: Option<Instant>,
-    /// Lines in a row that were no measurements.
+    /// Number of consecutive invalid lines.
     garbled: u32,
 }
 
@@ -252,7 +254,7 @@ impl Session<'_> {
         self.answer(&protocol::greeting(self.order, task))
     }
 
-    /// Answers lines until the task is over. The error is why it is to be given up.
+    /// Answers lines until the task is over. The error is the reason to give it up.
     fn control(&mut self, incoming: &Receiver<Incoming>) -> Result<Exit, StopReason> {
         loop {
             match self.next(incoming)? {
@@ -266,7 +268,7 @@ impl Session<'_> {
         }
     }
 
-    /// The next line, or why none is waited for any more.
+    /// The next line, or the reason to wait no longer.
     fn next(&self, incoming: &Receiver<Incoming>) -> Result<Incoming, StopReason> {
         loop {
             let left = self.late.map_or(INTERRUPT_LOOK, |late| late.saturating_duration_since(Instant::now()));
@@ -280,12 +282,12 @@ impl Session<'_> {
         }
     }
 
-    /// Whether the watchdog's time is over.
+    /// Whether the watchdog's time is up.
     fn is_late(&self) -> bool {
         self.late.is_some_and(|late| late <= Instant::now())
     }
 
-    /// A line of measured poses; the exit if the task is over.
+    /// Handles a line of measured poses; returns the exit status if the task is over.
     fn take(&mut self, number: u64, line: &str) -> Result<Option<Exit>, StopReason> {
         let measured = match protocol::measured(self.order, line) {
             Ok(measured) => measured,
@@ -312,14 +314,15 @@ impl Session<'_> {
         Ok(over)
     }
 
-    /// Refuses a line. The error is that there were too many of them in a row.
+    /// Refuses a line. The error is that there were too many in a row.
     fn refuse(&mut self, number: u64, why: &str) -> Result<(), StopReason> {
         self.garbled += 1;
         self.answer(&protocol::error(number, why))?;
         if self.garbled > MAX_GARBLED { Err(StopReason::Garbled) } else { Ok(()) }
     }
 
-    /// Gives the task up, unless it is over. Whoever carries the commands out may have gone, and the disk may be full: each is tried.
+    /// Gives the task up, unless it is over. The peer may be gone and the disk full; the command is still recorded and
+    /// sent as far as possible.
     fn give_up(&mut self, reason: StopReason) -> Exit {
         self.controller.stop(reason, None);
         let line = self.command_line();
@@ -329,14 +332,14 @@ impl Session<'_> {
         Exit::Stopped
     }
 
-    /// Says at the terminal why the task was given up, if it was.
+    /// Reports on standard error why the task was given up, if it was.
     fn say_why(&self) {
         if let Command::Stop(stop) = self.controller.last() {
             terminal::to_stderr(&format!("tweeze: stopped: {}\n", stopped(self.order, stop)));
         }
     }
 
-    /// Answers with the controller's last command.
+    /// Sends the controller's last command.
     fn command(&mut self) -> Result<(), StopReason> {
         let line = self.command_line();
         self.record(RecordedLine::Command, self.t_ns, line.trim_end())?;
@@ -366,7 +369,7 @@ impl Session<'_> {
         let _ = self.recorded(finished);
     }
 
-    /// Reports a recording that cannot be written, once; nothing more is added to it.
+    /// Reports a failure to write the recording, once; nothing more is added to it.
     fn recorded(&mut self, written: std::io::Result<()>) -> Result<(), StopReason> {
         let Err(error) = written else { return Ok(()) };
         self.recorder = None;

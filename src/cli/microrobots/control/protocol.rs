@@ -1,4 +1,4 @@
-//! The lines of `tweeze control`: measurements out of measured lines, and lines out of commands.
+//! Line protocol of `tweeze control`: parses measurements and writes commands.
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
@@ -6,30 +6,31 @@ use crate::schedule::control::MeasuredLine;
 use crate::schedule::microrobots::RecordedPose;
 use serde::Serialize;
 
-/// The latest time of a measurement, so that the ends of commands can be counted: 146 years after 0.
+/// Latest time of a measurement, so that the end times of commands do not overflow: 146 years after 0.
 const MAX_T_NS: u64 = u64::MAX / 4;
 
-/// The farthest coordinate of a measurement, a kilometre, and the largest heading: beyond them no motion of a robot would show in the number.
+/// Greatest coordinate of a measurement, a kilometre, and greatest heading: beyond them the motion of a robot would be
+/// lost in rounding.
 const MAX_COORDINATE_UM: f64 = 1e9;
 const MAX_HEADING_DEG: f64 = 1e6;
 
-/// A measurement: its time, and a pose for each robot of an order that was seen.
+/// A measurement: its time, and for each robot of the order its pose if it was seen.
 #[derive(Debug)]
 pub struct Measured {
     pub t_ns: u64,
     pub poses: Vec<Option<Pose>>,
 }
 
-/// Reads a line of measured poses.
+/// Parses a line of measured poses.
 ///
 /// # Errors
-/// What is wrong with it, for people.
+/// A message that says what is wrong with the line.
 pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String> {
     let line = line.trim();
     if !line.starts_with('{') {
         return Err(r#"a line is one JSON object: {"t_ns": …, "robots": {…}}"#.to_owned());
     }
-    // Of the one line only the column tells anything.
+    // There is only one line, so only the column is useful.
     let wrong = |error: serde_json::Error| {
         error.to_string().replace(" at line 1 column ", " at column ").replace("expected f64", "expected a number")
     };
@@ -54,7 +55,7 @@ pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String
     Ok(Measured { t_ns, poses: names.iter().map(pose).collect() })
 }
 
-/// The first line of the answers: figures of the device that every command relies on.
+/// The first line of the output: figures of the device that every command relies on.
 pub fn greeting(order: &MicrorobotsOrder, task: &str) -> String {
     #[derive(Serialize)]
     struct Greeting<'a> {
@@ -82,7 +83,7 @@ pub fn greeting(order: &MicrorobotsOrder, task: &str) -> String {
     })
 }
 
-/// The answer to a line that is no measurement.
+/// The answer to a line that is not a measurement.
 pub fn error(number: u64, why: &str) -> String {
     #[derive(Serialize)]
     struct ErrorLine<'a> {
@@ -92,7 +93,7 @@ pub fn error(number: u64, why: &str) -> String {
     written(&ErrorLine { error: why, input_line: number })
 }
 
-/// A line with its end. Keys are strings and numbers are finite, so that writing cannot fail.
+/// An object as a line. Keys are strings and numbers are finite, so serialisation cannot fail.
 pub fn written(line: &impl Serialize) -> String {
     let mut text = serde_json::to_string(line).expect("keys are texts and numbers finite");
     text.push('\n');

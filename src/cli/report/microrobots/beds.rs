@@ -1,4 +1,5 @@
-//! Beds of microrobots: their control matrix with levels and slack, and voltage tables for robots still to be built.
+//! Report of beds of microrobots: their control matrix with levels and slack, and voltage tables for robots still to be
+//! built.
 
 use super::length;
 use crate::check::microrobots::CheckedBed;
@@ -11,7 +12,7 @@ use crate::device::microrobots::{ControlState, Robot};
 use crate::quantity::{Dimension, Quantity, count, digits, to_decimals};
 use std::fmt::Write;
 
-/// The table of a bed, and the control states that its voltage can reach.
+/// The table of a bed, with the control states that the source can reach.
 pub fn describe(name: &str, bed: &CheckedBed) -> String {
     let facts = &bed.facts;
     let head = format!(
@@ -35,7 +36,7 @@ fn row(robot: &Robot, period_ns: u64) -> Vec<String> {
     vec![robot.name.clone(), volts(robot.snap_down_v), volts(robot.release_v), radius, speed.to_string()]
 }
 
-/// A row for each control state, a column for each robot.
+/// A row for each control state and a column for each robot.
 fn matrix(bed: &CheckedBed) -> String {
     let heading = std::iter::once("state".to_owned())
         .chain(bed.facts.robots.iter().map(|robot| robot.name.clone()))
@@ -52,7 +53,7 @@ fn matrix(bed: &CheckedBed) -> String {
     aligned(&rows)
 }
 
-/// A voltage to a hundredth of a volt, which is more than a table knows.
+/// A voltage rounded to 0.01 V, which is finer than the data of a table.
 fn volts(volts: f64) -> String {
     format!("{} V", rounded(volts))
 }
@@ -61,7 +62,7 @@ fn rounded(volts: f64) -> String {
     digits(to_decimals(volts, 2))
 }
 
-/// A table for robots that are still to be built.
+/// Suggests a voltage table for robots that are still to be built.
 pub fn suggest(arguments: &DevicesArguments) -> Exit {
     let (Some(robots), Some(margin_v), Some(max_v)) = (arguments.robots, arguments.margin, arguments.max) else {
         return Exit::Usage;
@@ -88,7 +89,7 @@ pub fn suggest(arguments: &DevicesArguments) -> Exit {
     }
 }
 
-/// A device that can be put into a program as it is.
+/// A device declaration that can be pasted into a program.
 fn declaration(table: &[RelayRow], suggestion: &Suggestion, limits: SuggestLimits) -> String {
     let mut text = format!(
         "// The best table for {} robots: every level of every control cycle may be off by {}. At most {} robots would fit.\n\

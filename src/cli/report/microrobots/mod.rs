@@ -1,4 +1,4 @@
-//! What people read of a plan for microrobots.
+//! Report of plans for microrobots.
 
 mod beds;
 
@@ -12,6 +12,8 @@ use crate::diagnostic::Remark;
 use crate::plan::microrobots::safest::EXPECTED;
 
 impl ReportedOrder for MicrorobotsOrder {
+    /// Whether each goal of an assembly is guaranteed under the device's error bounds, where robots end, and which robots
+    /// are absent.
     fn notes(&self, run: &ReportedRun) -> Vec<Note> {
         let remark = |remark: &Remark| match remark.subject.as_str() {
             EXPECTED => (ReportTopic::Expected, remark.text.clone()),
@@ -28,7 +30,6 @@ impl ReportedDevice for CheckedBed {
     }
 }
 
-/// Whether each goal of an assembly is guaranteed under the device's error bounds, where robots end, and which ones are not there.
 /// The robots of the table that the scene leaves out.
 fn absent(order: &MicrorobotsOrder) -> Option<Note> {
     let is_absent = |row: &usize| order.robots.iter().all(|robot| robot.row != *row);
