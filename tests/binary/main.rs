@@ -6,6 +6,7 @@ mod holds;
 mod live;
 mod outputs;
 mod pages;
+mod reports;
 mod usage;
 mod watch;
 

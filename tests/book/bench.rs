@@ -12,7 +12,7 @@ use tweeze::diagnostic::Sink;
 use tweeze::format::format;
 use tweeze::source::Sources;
 
-/// Pages whose programs are compiled by other tests: `tests/examples.rs`, the tests of published devices in every
+/// Pages whose programs are compiled by other tests: `tests/portable/examples.rs`, the tests of published devices in every
 /// program, and the rest of this file.
 const WITHOUT_BLOCKS: [&str; 3] = ["docs/examples.md", "docs/library.md", "docs/diagnostics.md"];
 

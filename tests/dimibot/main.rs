@@ -3,8 +3,13 @@
 //!
 //! `TWEEZE_ORACLE_CASES` sets the number of random scenes.
 
+// The oracles and the expected figures use the platform's own mathematics.
+#![allow(clippy::disallowed_methods)]
+
 mod brute;
 mod found;
+mod frames;
+mod golden;
 mod programs;
 mod scene;
 #[path = "../support/mod.rs"]

@@ -2,10 +2,13 @@
 //! library the platform links. Logs of other versions are distinguished from edited ones.
 
 mod bench;
+mod examples;
 mod figures;
 mod mathematics;
 mod outputs;
 mod paths;
+#[path = "../support/mod.rs"]
+mod support;
 #[path = "../support/system.rs"]
 mod system;
 mod versions;

@@ -7,6 +7,7 @@
 // The expected figures come from the platform's own mathematics.
 #![allow(clippy::disallowed_methods)]
 
+mod format;
 mod garbage;
 mod geometry;
 mod oracle;

@@ -1,7 +1,7 @@
 //! Places read from a camera image, checked by hand and against the same programs with all places in lengths.
 
+use super::random::{Random, cases};
 use crate::support::{Built, build};
-use crate::{Random, cases};
 use tweeze::claims::Order;
 use tweeze::claims::dimibot::{Asked, DimibotAction, DimibotObstacleBody};
 use tweeze::geometry::shape::{Pose, Shape};

@@ -1,12 +1,7 @@
 //! Figures of the paper, reproduced through the language: V. Chalvet, Y. Haddab, P. Lutz, J. Mechanisms and Robotics
 //! 8(2), 2016, 021013.
 
-// The expected figures come from the platform's own mathematics.
-#![allow(clippy::disallowed_methods)]
-
-mod support;
-
-use support::build;
+use crate::support::build;
 use tweeze::schedule::dimibot::DimibotState;
 use tweeze::schedule::{PlanRecord, State};
 

@@ -1,9 +1,7 @@
 //! Every example with something to build: checked without diagnostics, built, verified, and written in every format.
 
-mod support;
-
+use crate::support::{build, build_in, carries_droplets, switches_accessories};
 use std::path::{Path, PathBuf};
-use support::{build, build_in, carries_droplets, switches_accessories};
 use tweeze::device::instrument::{InstrumentFacts, Protocol};
 use tweeze::schedule::microrobots::MicrorobotsState;
 use tweeze::schedule::{ChannelUnit, Schedule, ScheduledHold, State};

@@ -1,17 +1,17 @@
 //! The canonical form: its invariants, and the command that produces it.
 
 mod command;
-#[path = "../fuzz/generate.rs"]
+#[path = "../../fuzz/generate.rs"]
 mod generate;
 mod laws;
 mod mangle;
-#[path = "../fuzz/mutate.rs"]
+#[path = "../../fuzz/mutate.rs"]
 mod mutate;
-#[path = "../fuzz/numbers.rs"]
+#[path = "../../fuzz/numbers.rs"]
 mod numbers;
-#[path = "../support/random.rs"]
+#[path = "../../support/random.rs"]
 mod random;
 mod rules;
-#[path = "../fuzz/seeds.rs"]
+#[path = "../../fuzz/seeds.rs"]
 #[allow(dead_code, reason = "other attacks begin with other texts")]
 mod seeds;

@@ -1,21 +1,15 @@
 //! Robots in a common scene frame, tested from outside: programs as text, and an oracle with its own kinematics of the
 //! tips.
 
-// The oracle uses the platform's own mathematics.
-#![allow(clippy::disallowed_methods)]
-
-#[path = "../support/mod.rs"]
-mod support;
-
-#[path = "../support/random.rs"]
+#[path = "../../support/random.rs"]
 mod random;
 
 mod camera;
 mod oracle;
 
+use crate::support::{Built, build};
 use oracle::least_gap_um;
 use random::{Random, cases};
-use support::{Built, build};
 use tweeze::claims::{Claims, Order};
 use tweeze::schedule::{Reached, Schedule};
 use tweeze::verify::{Rule, violations};
