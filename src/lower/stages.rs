@@ -99,7 +99,7 @@ impl FollowingStage<'_> {
         let actuation = fastest.filter(|one| size(one) > most * QUOTIENT_ROOM)?;
         let asked = size(&actuation);
         let title = format!(
-            "`{}` moves at {}, but its stage moves at most at {}",
+            "`{}` moves at {}, but its stage reaches at most {}",
             self.wired.channel.name,
             speed(asked),
             speed(most)
