@@ -75,7 +75,7 @@ impl DimibotOrder {
         let show = |cell: dimibot::LatticeCell| format!("{cell}, {}", self.facts.word_text(cell));
         let (asked, stands, device) = (show(start.value), show(stands), &job.device);
         Diagnostic::new(Code::E0507, format!("the task starts at {asked}, but `{device}` is at {stands} by then"))
-            .label(start.span, "not where the robot stands")
+            .label(start.span, "not where the robot is")
             .label_elsewhere(job.run_span, start.span, "run here")
             .help(format!("leave `start at` out, or start where the last task of `{device}` ended: {stands}"))
     }
@@ -84,12 +84,8 @@ impl DimibotOrder {
     /// knows the cell, as with [`Self::start_disagrees`].
     pub fn start_covered(&self, stands: StandingTip, obstacles: &[usize], job: &Job) -> Diagnostic {
         let (stands, help) = match stands {
-            StandingTip::AtHome(cell) => {
-                (cell, "say where it begins with `start at`, or give the device another `home`")
-            }
-            StandingTip::LeftThere(cell) => {
-                (cell, "the task before has ended there: let it go on to a cell that is free in this scene")
-            }
+            StandingTip::AtHome(cell) => (cell, "write `start at` with a free cell, or give the device another `home`"),
+            StandingTip::LeftThere(cell) => (cell, "end the task before at a cell that is free in this scene"),
         };
         let shown = || obstacles.iter().take(SHOWN_OBSTACLES).map(|index| &self.obstacles[*index]);
         let names: Vec<String> = shown().map(|obstacle| format!("`{}`", obstacle.name)).collect();

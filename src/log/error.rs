@@ -40,8 +40,8 @@ impl LogError {
             LogError::NotALog => Diagnostic::new(Code::E0840, "the file does not begin like an MCAP log")
                 .help("`tweeze verify` reads the `.mcap` file that `tweeze build` writes"),
             LogError::Truncated { offset } => {
-                Diagnostic::new(Code::E0841, format!("the log breaks off: something should follow byte {offset}"))
-                    .help(format!("{AGAIN}; of the recording of a controlled run `mcap recover` saves what there is"))
+                Diagnostic::new(Code::E0841, format!("the log is truncated: more data must follow byte {offset}"))
+                    .help(format!("{AGAIN}; for the recording of a controlled run, `mcap recover` saves what is left"))
             }
             LogError::Damaged { offset, what } => {
                 Diagnostic::new(Code::E0842, format!("the log is damaged at byte {offset}: {what}")).help(AGAIN)
@@ -50,7 +50,7 @@ impl LogError {
                 Code::E0843,
                 format!("{what} at byte {offset} of the log declares {bytes}; the limit is {limit}"),
             )
-            .help("no log of Tweeze is as large; build the program again"),
+            .help("no log of Tweeze is that large; build the program again"),
             LogError::Missing { what } => Diagnostic::new(Code::E0844, format!("the log has no {what}"))
                 .help("`tweeze verify` reads the `.mcap` file that `tweeze build` or `tweeze control --record` writes"),
             LogError::Recorded => {
@@ -70,8 +70,7 @@ impl LogError {
 /// Texts from the log are printed without control characters and truncated.
 pub fn other_version(version: Option<&str>, schema: Option<&str>) -> Diagnostic {
     let clean = |text: &str| text.chars().filter(|c| !c.is_control()).take(40).collect::<String>();
-    let writer =
-        version.map_or_else(|| "a tweeze that does not name itself".to_owned(), |v| format!("tweeze {}", clean(v)));
+    let writer = version.map_or_else(|| "an unknown version of tweeze".to_owned(), |v| format!("tweeze {}", clean(v)));
     let own = env!("CARGO_PKG_VERSION");
     let title = match schema {
         Some(schema) => {
@@ -80,19 +79,17 @@ pub fn other_version(version: Option<&str>, schema: Option<&str>) -> Diagnostic 
                 "the log was written by {writer} in schema {schema}; this is tweeze {own}, which reads schema {SCHEMA}"
             )
         }
-        None => format!("the log was written by {writer}, and does not follow from its program by this tweeze {own}"),
+        None => format!("the log was written by {writer}; this tweeze {own} does not derive it from its program"),
     };
-    Diagnostic::new(Code::E0848, title)
-        .help(format!("verify it with {writer}, or build its program again with this one: the log carries the source"))
+    Diagnostic::new(Code::E0848, title).help(format!(
+        "verify it with {writer}, or build its program again with this version: the log contains the source"
+    ))
 }
 
 impl VoltageFault {
     /// The fault as a diagnostic.
     pub fn diagnostic(&self) -> Diagnostic {
-        Diagnostic::new(
-            Code::E0846,
-            format!("the voltages or positions in the log are not those of its schedule: {self}"),
-        )
-        .help("the log was changed after it was written; build the program again")
+        Diagnostic::new(Code::E0846, format!("the voltages or positions in the log differ from its schedule: {self}"))
+            .help("the log was changed after it was written; build the program again")
     }
 }

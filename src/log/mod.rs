@@ -146,7 +146,7 @@ pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) +
         .map_err(|error| LogError::content(format!("metadata `{METADATA}`, entry `settings`"), error.to_string()))?;
     let program = provenance(&contents, METADATA, "program")?;
     if program != schedule.name {
-        let what = format!("is of `{}`, the metadata say `{program}`", schedule.name);
+        let what = format!("it is for `{}`, but the metadata name `{program}`", schedule.name);
         return Err(LogError::content(SCHEDULE, what));
     }
     let files = files(&contents)?;
@@ -174,7 +174,7 @@ fn check_form(bytes: &[u8]) -> Result<(), String> {
     let form: Form = serde_json::from_slice(bytes).map_err(|error| error.to_string())?;
     match form.format.as_deref() == Some(CLAIMS_FORMAT) && form.version == Some(SCHEMA) {
         true => Ok(()),
-        false => Err(format!("is not of the format `{CLAIMS_FORMAT}`, version {SCHEMA}")),
+        false => Err(format!("it is not of the format `{CLAIMS_FORMAT}`, version {SCHEMA}")),
     }
 }
 
@@ -226,7 +226,7 @@ fn files(contents: &Contents) -> Result<Vec<(String, String)>, LogError> {
         let Some(name) = attachment.name.strip_prefix(SOURCE_PREFIX) else { continue };
         let data = within(attachment, MAX_FILE_BYTES as u64)?;
         let text = std::str::from_utf8(data)
-            .map_err(|error| LogError::content(attachment.name.clone(), format!("is no UTF-8: {error}")))?;
+            .map_err(|error| LogError::content(attachment.name.clone(), format!("it is not UTF-8: {error}")))?;
         if !names.insert(name) {
             return Err(LogError::damaged(attachment.offset, format!("a second attachment `{}`", attachment.name)));
         }

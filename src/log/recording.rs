@@ -72,11 +72,11 @@ pub fn read_recording(bytes: &[u8]) -> Result<Recording, LogError> {
 fn message(topic: &str, log_ns: u64, data: &[u8]) -> Result<RecordedMessage, LogError> {
     let place = || format!("topic `{topic}` at {log_ns} ns");
     let text =
-        std::str::from_utf8(data).map_err(|error| LogError::content(place(), format!("is no UTF-8: {error}")))?;
+        std::str::from_utf8(data).map_err(|error| LogError::content(place(), format!("it is not UTF-8: {error}")))?;
     let line = match topic {
         MEASURED_TOPIC => parsed(text).map(ControlLine::Measured),
         COMMAND_TOPIC => parsed(text).map(ControlLine::Command),
-        _ => Err("is no topic of a recording".to_owned()),
+        _ => Err("it is not a topic of a recording".to_owned()),
     };
     let line = line.map_err(|what| LogError::content(place(), what))?;
     Ok(RecordedMessage { text: text.to_owned(), line })

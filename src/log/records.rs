@@ -112,7 +112,7 @@ fn check_summary(records: &mut Records) -> Result<(), LogError> {
         return match rest == mcap::MAGIC {
             true => Ok(()),
             false if mcap::MAGIC.starts_with(rest) => Err(LogError::Truncated { offset: records.bytes.len() as u64 }),
-            false => Err(LogError::damaged(records.at as u64, "something else stands where the file should end")),
+            false => Err(LogError::damaged(records.at as u64, "the file does not end as an MCAP log must")),
         };
     }
 }
@@ -124,7 +124,7 @@ fn check_crc(covered: &[u8], written: u32, record: &LogRecord, what: &str) -> Re
         _ if written == computed => Ok(()),
         _ => Err(LogError::damaged(
             record.offset(),
-            format!("{what} has the checksum {computed:08x}, and {written:08x} is written"),
+            format!("{what} has the checksum {computed:08x}, but {written:08x} is recorded"),
         )),
     }
 }
@@ -188,10 +188,10 @@ fn chunk<'a>(record: &LogRecord<'a>, contents: &mut Contents<'a>, state: &mut Re
             zstd::bulk::decompress(packed, size as usize)
                 .map_err(|error| LogError::damaged(record.offset(), format!("a chunk cannot be unpacked: {error}")))?,
         ),
-        _ => return Err(LogError::damaged(record.offset(), format!("compression `{compression}` is not read"))),
+        _ => return Err(LogError::damaged(record.offset(), format!("compression `{compression}` is not supported"))),
     };
     if data.len() as u64 != size {
-        let what = format!("a chunk unpacks to {} bytes, and {size} are written", data.len());
+        let what = format!("a chunk unpacks to {} bytes, but {size} are declared", data.len());
         return Err(LogError::damaged(record.offset(), what));
     }
     check_crc(&data, crc, record, "a chunk")?;
@@ -212,7 +212,7 @@ fn definition_or_message(
         op::SCHEMA => schema(record, state),
         op::CHANNEL => topic(record, contents, state),
         op::MESSAGE => message(record, contents, state),
-        _ => Err(LogError::damaged(record.offset(), "a record that does not belong into a chunk")),
+        _ => Err(LogError::damaged(record.offset(), "a record that does not belong in a chunk")),
     }
 }
 
@@ -256,7 +256,8 @@ fn topic(record: &LogRecord, contents: &mut Contents, state: &mut RecordsState) 
     if super::is_topic(&name) {
         let schema =
             state.schemas.get(&schema).filter(|schema| schema.encoding == "protobuf" && encoding == "protobuf");
-        let schema = schema.ok_or_else(|| LogError::content(format!("topic `{name}`"), "has no protobuf messages"))?;
+        let schema =
+            schema.ok_or_else(|| LogError::content(format!("topic `{name}`"), "it has no protobuf messages"))?;
         let (decoder, columns) = series::decoder(&schema.name, &schema.descriptor, &metadata)
             .map_err(|what| LogError::content(format!("topic `{name}`"), what))?;
         if contents.voltages.iter().any(|series| series.topic == name) {
@@ -299,7 +300,7 @@ fn message(record: &LogRecord, contents: &mut Contents, state: &mut RecordsState
     let place = || format!("topic `{}` at {t_ns} ns", topic.name);
     let values = decoder.decode(&record.body[fields.at..]).map_err(|what| LogError::content(place(), what))?;
     if series.samples.times_ns().last().is_some_and(|last_ns| *last_ns >= t_ns) {
-        return Err(LogError::content(place(), "does not come after the message before it"));
+        return Err(LogError::content(place(), "it must be later than the message before it"));
     }
     series.samples.push(t_ns, &values);
     Ok(())
@@ -385,7 +386,7 @@ impl<'a> RecordFields<'a> {
     fn text(&mut self) -> Result<&'a str, LogError> {
         let length = u64::from(self.u32()?);
         let part = self.take(length)?;
-        std::str::from_utf8(part).map_err(|_| LogError::damaged(self.offset, "a name is no UTF-8"))
+        std::str::from_utf8(part).map_err(|_| LogError::damaged(self.offset, "a name is not UTF-8"))
     }
 
     fn map(&mut self) -> Result<BTreeMap<String, String>, LogError> {
@@ -400,7 +401,7 @@ impl<'a> RecordFields<'a> {
         while entries.at < part.len() {
             let (key, value) = (entries.text()?, entries.text()?);
             if map.insert(key.to_owned(), value.to_owned()).is_some() {
-                return Err(LogError::damaged(self.offset, format!("the entry `{key}` stands twice")));
+                return Err(LogError::damaged(self.offset, format!("the entry `{key}` occurs twice")));
             }
         }
         Ok(map)

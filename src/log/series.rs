@@ -107,12 +107,12 @@ pub fn decoder(
 ) -> Result<(Decoder, Vec<SeriesColumn>), String> {
     if descriptor.len() > MAX_DESCRIPTOR_BYTES {
         return Err(format!(
-            "has a message type of {} bytes, at most {MAX_DESCRIPTOR_BYTES} are read",
+            "it has a message type of {} bytes; the limit is {MAX_DESCRIPTOR_BYTES}",
             descriptor.len()
         ));
     }
-    let set = FileDescriptorSet::decode(descriptor).map_err(|error| format!("has no message type: {error}"))?;
-    let message = find(&set, name).ok_or_else(|| format!("has no message type `{name}`"))?;
+    let set = FileDescriptorSet::decode(descriptor).map_err(|error| format!("it has no message type: {error}"))?;
+    let message = find(&set, name).ok_or_else(|| format!("it has no message type `{name}`"))?;
     if let [field] = message.field.as_slice()
         && field.label() == Label::Repeated
     {
@@ -127,16 +127,16 @@ pub fn decoder(
     for field in &message.field {
         columns.push(column(field.name(), metadata)?);
         if field.label() != Label::Optional || fields.insert(number(field)?, columns.len() - 1).is_some() {
-            return Err(format!("has a field `{}` that holds no single value", field.name()));
+            return Err(format!("it has a field `{}` that does not hold a single value", field.name()));
         }
     }
     Ok((Decoder::Fields(fields), columns))
 }
 
 fn column(path: &str, metadata: &BTreeMap<String, String>) -> Result<SeriesColumn, String> {
-    let channel = metadata.get(path).ok_or_else(|| format!("does not name the channel of `{path}`"))?.clone();
+    let channel = metadata.get(path).ok_or_else(|| format!("it does not name the channel of `{path}`"))?.clone();
     let bound = Bound::read(metadata.get(&format!("{path}{BOUND_SUFFIX}")));
-    let bound = bound.ok_or_else(|| format!("does not name the drive level of `{path}`"))?;
+    let bound = bound.ok_or_else(|| format!("it does not name the drive level of `{path}`"))?;
     let periods_ns = metadata.get(&format!("{path}{PERIOD_SUFFIX}")).cloned().unwrap_or_default();
     Ok(SeriesColumn { channel, bound, periods_ns })
 }
@@ -151,7 +151,7 @@ fn find<'a>(set: &'a FileDescriptorSet, name: &str) -> Option<&'a DescriptorProt
 fn number(field: &FieldDescriptorProto) -> Result<u64, String> {
     match u64::try_from(field.number()) {
         Ok(number) if number > 0 && field.r#type() == Type::Double => Ok(number),
-        Ok(_) | Err(_) => Err(format!("has a field `{}` that is no double", field.name())),
+        Ok(_) | Err(_) => Err(format!("it has a field `{}` that is not a double", field.name())),
     }
 }
 
@@ -168,12 +168,15 @@ impl Decoder {
                 while !bytes.is_empty() {
                     let key = varint(&mut bytes)?;
                     let field = fields.get(&(key >> 3)).filter(|_| key & 7 == FIXED64);
-                    let value = &mut values[*field.ok_or_else(|| format!("has an unknown field {}", key >> 3))?];
+                    let value = &mut values[*field.ok_or_else(|| format!("it has an unknown field {}", key >> 3))?];
                     if value.replace(double(&mut bytes)?).is_some() {
-                        return Err(format!("has field {} twice", key >> 3));
+                        return Err(format!("it has field {} twice", key >> 3));
                     }
                 }
-                values.into_iter().collect::<Option<_>>().ok_or_else(|| "does not say every channel".to_owned())
+                values
+                    .into_iter()
+                    .collect::<Option<_>>()
+                    .ok_or_else(|| "it does not have a value for every channel".to_owned())
             }
             Decoder::List { number, count } => {
                 if *count == 0 && bytes.is_empty() {
@@ -183,7 +186,7 @@ impl Decoder {
                 let length = varint(&mut bytes)?;
                 if key != number << 3 | LENGTH_DELIMITED || length != 8 * *count as u64 || bytes.len() as u64 != length
                 {
-                    return Err(format!("is no list of {count} values"));
+                    return Err(format!("it is not a list of {count} values"));
                 }
                 (0..*count).map(|_| double(&mut bytes)).collect()
             }
@@ -196,7 +199,7 @@ fn varint(bytes: &mut &[u8]) -> Result<u64, String> {
 }
 
 fn double(bytes: &mut &[u8]) -> Result<f64, String> {
-    let (value, rest) = bytes.split_first_chunk::<8>().ok_or("breaks off within a value")?;
+    let (value, rest) = bytes.split_first_chunk::<8>().ok_or("it breaks off within a value")?;
     *bytes = rest;
     Ok(f64::from_le_bytes(*value))
 }
@@ -217,7 +220,7 @@ pub enum VoltageFault {
 impl std::fmt::Display for VoltageFault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            VoltageFault::Topic { topic } => write!(f, "`{topic}` is missing or too many"),
+            VoltageFault::Topic { topic } => write!(f, "`{topic}` is missing or superfluous"),
             VoltageFault::Channels { topic } => write!(f, "`{topic}` has other channels"),
             VoltageFault::Value { channel, unit, t_ns, recorded, scheduled } => {
                 let unit = unit.symbol();

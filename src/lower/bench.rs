@@ -46,26 +46,26 @@ impl WiredChannel<'_> {
         let (name, output) = (&self.channel.name, format!("{}.{}", self.drive.instrument, self.drive.output));
         if let Some(limit_v) = limit_v.filter(|limit_v| value.abs() > *limit_v) {
             let title = format!(
-                "`{name}` needs {}, its amplifier gives {}",
+                "`{name}` needs {}, but its amplifier gives up to {}",
                 Quantity::voltage(value),
                 Quantity::voltage(limit_v)
             );
             let finding =
                 self.finding(Code::E0620, title, format!("`limit` of {}", Quantity::voltage(limit_v)), actuation.step);
-            return Some(finding.help("choose an amplifier of a higher voltage, or lower voltages of the device"));
+            return Some(finding.help("use an amplifier with a higher voltage, or lower the voltages of the device"));
         }
         let peak_v = self.instrument.facts.voltage()?.peak_v;
         let needed_v = (value / gain).abs();
         (needed_v > peak_v * QUOTIENT_ROOM).then(|| {
             let title = format!(
-                "`{name}` needs {}, which is {} at output `{output}`; it gives {}",
+                "`{name}` needs {}, which is {} at output `{output}`; it gives up to {}",
                 Quantity::voltage(value),
                 Quantity::voltage(needed_v),
                 Quantity::voltage(peak_v)
             );
             let least = 10_f64.max((value.abs() / peak_v).ceil());
             let at_wire = if gain == 1.0 { "no amplifier here".to_owned() } else { format!("gain of {gain}") };
-            let help = format!("put an amplifier behind the output and say so: `-> {output} {{ gain: {least} }}`");
+            let help = format!("put an amplifier behind the output and declare it: `-> {output} {{ gain: {least} }}`");
             self.finding(Code::E0620, title, at_wire, actuation.step).help(help)
         })
     }
@@ -79,14 +79,14 @@ impl WiredChannel<'_> {
         (needed_v.abs() > peak_v * QUOTIENT_ROOM).then(|| {
             let (name, position) = (&self.channel.name, self.shown(value));
             let title = format!(
-                "`{name}` at {position} needs {}, the output gives {}",
+                "`{name}` at {position} needs {}, but the output gives up to {}",
                 Quantity::voltage(needed_v),
                 Quantity::voltage(peak_v)
             );
             let at_wire = format!("{zero_v} V at 0 um, {scale_v_per_um} V/um");
             let reach = |v: f64| self.shown(self.drive.link.value(v));
             let help =
-                format!("this output reaches from {} to {}: check `scale` and `zero`", reach(-peak_v), reach(peak_v));
+                format!("check `scale` and `zero`: this output reaches from {} to {}", reach(-peak_v), reach(peak_v));
             self.finding(Code::E0620, title, at_wire, actuation.step).help(help)
         })
     }
@@ -105,9 +105,10 @@ impl WiredChannel<'_> {
                 .then(|| (Code::E0621, format!("0 V or {}", Quantity::voltage(on_v))))?,
             Link::StageDriver { .. } | Link::Axis { .. } => return None,
         };
-        let title = format!("`{}` rests at {}, its output gives {given}", self.channel.name, Quantity::voltage(rest_v));
+        let title =
+            format!("`{}` rests at {}, but its output gives {given}", self.channel.name, Quantity::voltage(rest_v));
         let diagnostic = Diagnostic::new(code, title).label(self.drive.span, given);
-        Some(diagnostic.help("choose another `rest` of the output, or wire it to what gives that voltage"))
+        Some(diagnostic.help("choose another `rest` of the output, or wire it to an output that gives that voltage"))
     }
 
     /// The value with the largest `size`, and its actuation.
@@ -126,14 +127,14 @@ impl WiredChannel<'_> {
             .find_map(|actuation| Some((actuation.levels().into_iter().find(other)?, *actuation)));
         let (value, actuation) = found?;
         let name = &self.channel.name;
-        let title = format!("`{name}` needs {}, its switch gives {}", self.shown(value), Quantity::voltage(on_v));
+        let title = format!("`{name}` needs {}, but its switch gives {}", self.shown(value), Quantity::voltage(on_v));
         let finding =
             self.finding(Code::E0621, title, format!("`switches` {}", Quantity::voltage(on_v)), actuation.step);
         let levels = self.actuations.iter().flat_map(|actuation| actuation.levels()).filter(|value| *value != 0.0);
         let has_several = levels.clone().any(|level| level != value);
         Some(finding.help(match has_several {
-            true => "a switch gives one voltage, and this channel has several: wire it to an output of voltage",
-            false => "feed the switch with the voltage of the device, or set the device's to that of the switch",
+            true => "wire this channel to a voltage output: it has several voltages, but a switch gives one",
+            false => "feed the switch with the voltage of the device, or set the device to that of the switch",
         }))
     }
 
@@ -150,7 +151,7 @@ impl WiredChannel<'_> {
             let [least, most] = [facts.least_v, facts.most_v].map(Quantity::voltage);
             let range = if facts.least_v > 0.0 { format!("{least} to {most}") } else { format!("up to {most}") };
             let (name, driver) = (&self.channel.name, &self.drive.instrument);
-            let title = format!("`{name}` needs {}, `{driver}` gives {range}", self.shown(value));
+            let title = format!("`{name}` needs {}, but `{driver}` gives {range}", self.shown(value));
             let help =
                 "give the device a `potential` in this range that its droplets move at, or choose another driver";
             self.finding(Code::E0620, title, range, actuation.step).help(help)
@@ -185,12 +186,12 @@ impl WiredChannel<'_> {
         let [takes, lasts] = [takes_ns, takes_ns / share].map(|ns| Quantity::new(ns / 1e9, Dimension::TIME));
         let slew = Quantity::new(slew, Dimension::SLEW_RATE);
         let title = format!(
-            "`{}` changes by {} and stays for {lasts}, its amplifier takes {takes}",
+            "`{}` changes by {} and stays for {lasts}, but its amplifier takes {takes}",
             self.channel.name,
             Quantity::voltage(step_v.abs())
         );
         let finding = self.finding(Code::E0622, title, format!("`slew` of {slew}"), actuation.step);
-        Some(finding.help("choose a faster amplifier, or longer times of the device"))
+        Some(finding.help("use a faster amplifier, or longer times of the device"))
     }
 }
 
@@ -214,11 +215,11 @@ fn shorter_than_a_frame(wired: &[WiredChannel]) -> Vec<Diagnostic> {
         (lasts_ns < least_ns).then(|| {
             let [lasts, least] = [lasts_ns, least_ns].map(Quantity::time_ns);
             let step = &wired.schedule.steps[actuation.step as usize];
-            let title = format!("a frame of {lasts}, but `{}` takes one in {least} or more", drive.instrument);
+            let title = format!("a frame lasts {lasts}, but `{}` needs {least} or more", drive.instrument);
             Diagnostic::new(Code::E0623, title)
                 .label(drive.span, format!("`least_frame` of {least}"))
                 .label_elsewhere(step.span, drive.span, "in this step")
-                .help(format!("give the device a `step_duration` of {least} or more, and make waits as long"))
+                .help(format!("give the device a `step_duration` of {least} or more, and make waits at least as long"))
         })
     });
     too_short.collect()

@@ -97,9 +97,9 @@ fn between_runs(claims: &Claims, runs: &[LoweredRun], starts: &[u64], sink: &mut
         let earlier = &claims.jobs[before];
         let title = format!("nothing holds the parts of `{}` for {gap} before this run", own.device);
         let diagnostic = Diagnostic::new(Code::W0512, title)
-            .label(own.run_span, "all electrodes are off until then")
+            .label(own.run_span, "all electrodes are off until this run")
             .label_elsewhere(earlier.run_span, own.run_span, "since the end of this run")
-            .help(format!("write the wait as the last step of `{}`: within a task parts are held", earlier.task));
+            .help(format!("write the wait as the last step of `{}`: within a task, parts are held", earlier.task));
         sink.push(diagnostic);
     }
 }
@@ -111,8 +111,8 @@ fn in_their_units(kind: Kind, figures: &BTreeMap<String, f64>) -> BTreeMap<Strin
 }
 
 fn too_long(claims: &Claims, sink: &mut Sink) -> Option<Schedule> {
-    let title = format!("a schedule of more than {} h", MAX_DURATION_NS / 3_600_000_000_000);
-    let diagnostic = Diagnostic::new(Code::E0604, title).label(claims.span, "lasts too long");
+    let title = format!("the schedule lasts longer than {} h", MAX_DURATION_NS / 3_600_000_000_000);
+    let diagnostic = Diagnostic::new(Code::E0604, title).label(claims.span, "the program lasts too long");
     sink.push(diagnostic.help("shorten its waits, or split the program into several"));
     None
 }

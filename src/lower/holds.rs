@@ -54,8 +54,10 @@ fn beside(
     let is_other = |stretch: &&PlacedStretch| stretch.job != Some(job) && meets(stretch.start_ns, stretch.end_ns);
     if let Some(stretch) = placed.iter().find(is_other) {
         return Some(match stretch.job.map(|run| &claims.jobs[run]) {
-            Some(other) => Other { what: format!("the run of `{}` goes on", other.task), span: Some(other.run_span) },
-            None => Other { what: "a `wait` of the program goes on".to_owned(), span: None },
+            Some(other) => {
+                Other { what: format!("the run of `{}` is in progress", other.task), span: Some(other.run_span) }
+            }
+            None => Other { what: "a `wait` of the program is in progress".to_owned(), span: None },
         });
     }
     let device = |actuation: &Actuation| &schedule.channels[actuation.channel as usize].device;
@@ -63,7 +65,7 @@ fn beside(
         |actuation: &Actuation| claims.outputs.get(device(actuation)).is_some_and(|output| output.pulse_ns.is_some());
     let mut pulses = schedule.actuations.iter().filter(|one| meets(one.start_ns, one.end_ns()) && is_pulse(one));
     pulses.next().map(|pulse| Other {
-        what: format!("the pulse of `{}` goes on", device(pulse)),
+        what: format!("the pulse of `{}` is in progress", device(pulse)),
         span: Some(schedule.steps[pulse.step as usize].span),
     })
 }
@@ -71,14 +73,14 @@ fn beside(
 /// The diagnostic of something in progress during a wait: when it would end depends on the end of the wait.
 fn goes_on(hold: &ScheduledHold, span: Span, other: &Other) -> Diagnostic {
     let title = format!("{} while the program waits for {}", other.what, hold.terms.awaited.shown());
-    let place = format!("from {}, and nobody knows until when", Quantity::time_ns(hold.start_ns));
+    let place = format!("from {}, for an unknown time", Quantity::time_ns(hold.start_ns));
     let finding = Diagnostic::new(Code::E0608, title).label(span, place);
     let finding = match other.span {
-        Some(other_span) => finding.label_elsewhere(other_span, span, "this goes on"),
+        Some(other_span) => finding.label_elsewhere(other_span, span, "in progress at that time"),
         None => finding,
     };
     finding.help(format!(
-        "let it end before, at {}: write a `wait` before the step, or run the two one after the other",
+        "end it by {}: write a `wait` before the step, or run the two one after the other",
         Quantity::time_ns(hold.start_ns)
     ))
 }

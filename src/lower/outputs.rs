@@ -111,7 +111,7 @@ fn too_soon(
                 Quantity::time_ns(pulse_ns)
             ),
             format!(
-                "let more than {} pass between the two, {} of it so far, or write a shorter `duration`",
+                "leave more than {} between the two instead of {}, or write a shorter `duration`",
                 Quantity::time_ns(pulse_ns),
                 Quantity::time_ns(gap_ns)
             ),
@@ -130,7 +130,5 @@ fn too_soon(
 fn set_at_the_end(schedule: &Schedule, name: &str, event: TimedEvent) -> Diagnostic {
     Diagnostic::new(Code::E0607, format!("`{name}` is set as the schedule ends, and goes back to rest at once"))
         .label(schedule.steps[event.step].span, "nothing comes after it")
-        .help(
-            "write it before the step that it is for, or a `wait` behind it: after a schedule all outputs are at rest",
-        )
+        .help("write it before the step that it is for, or a `wait` after it: outputs rest when the schedule has ended")
 }

@@ -58,13 +58,13 @@ fn finer(voltages: SampledVoltages) -> Option<Diagnostic> {
     let (drive, step) = first?;
     let [least, period] = [1.0 / rate_hz, period_ns as f64 / 1e9].map(|s| Quantity::new(s, Dimension::TIME));
     let rate = Quantity::new(rate_hz, Dimension::FREQUENCY);
-    let title = format!("edges on multiples of {period}, but `{}` samples every {least}", drive.instrument);
+    let title = format!("the edges are on multiples of {period}, but `{}` samples every {least}", drive.instrument);
     let finding = Diagnostic::new(Code::E0623, title).label(slowest.span, format!("at most {rate}"));
     let finding = match drive.span == slowest.span {
         true => finding,
         false => finding.label(drive.span, "on the same clock"),
     };
-    let finding = finding.label_elsewhere(step.span, drive.span, "the times of this step make it so fine");
+    let finding = finding.label_elsewhere(step.span, drive.span, "the times of this step need this resolution");
     Some(finding.help(format!("choose pulse durations, rests and waits as multiples of {least} or of a longer time")))
 }
 
@@ -109,14 +109,14 @@ pub fn coarser_than_its_use(wired: &WiredChannel, claims: &Claims) -> Option<Dia
         return None;
     }
     let title = format!(
-        "`{}` comes out up to {} off, its device bears {}, {figure}",
+        "`{}` is rounded by up to {}; its device tolerates {}, {figure}",
         channel.name,
         wired.shown(significant(rounded, 3)),
         wired.shown(significant(borne, 3)),
     );
     let help = match channel.unit {
-        ChannelUnit::Volt => "take an output of more bits",
-        ChannelUnit::Micrometre => "take an output of more bits, or a stage with more volts for each micrometre",
+        ChannelUnit::Volt => "use an output with more bits",
+        ChannelUnit::Micrometre => "use an output with more bits, or a stage with more volts per micrometre",
     };
     Some(Diagnostic::new(Code::E0625, title).label(drive.span, format!("{} bits", voltage.bits)).help(help))
 }

@@ -82,7 +82,7 @@ impl FollowingStage<'_> {
             Quantity::length_um(self.wired.drive.link.at_output(value)),
         );
         let [least, most] = [least_um, most_um].map(Quantity::length_um);
-        let title = format!("`{name}` at {at} is {own} of its stage, which travels from {least} to {most}");
+        let title = format!("`{name}` at {at} is {own} on its stage, which travels from {least} to {most}");
         let at_wire = format!("`origin` of {}", Quantity::length_um(origin_um));
         let ways_um: Vec<[f64; 2]> = self.of_wire().filter_map(ends_um).collect();
         let help = origin_help(&ways_um, ends_um(self.wired)?, [least_um, most_um], direction);
@@ -102,7 +102,7 @@ impl FollowingStage<'_> {
         let actuation = fastest.filter(|one| size(one) > most * QUOTIENT_ROOM)?;
         let asked = size(&actuation);
         let title = format!(
-            "`{}` moves at {}, its stage at {} at the most",
+            "`{}` moves at {}, but its stage reaches at most {}",
             self.wired.channel.name,
             speed(asked),
             speed(most)
@@ -130,15 +130,21 @@ impl FollowingStage<'_> {
         let rounding_um = limits.rounding_um(turn.change_um_per_s);
         let title = if takes_s > room_s {
             let [room, takes] = [room_s, takes_s].map(seconds);
-            format!("`{name}` changes its speed by {change} and keeps it for {room}, its stage takes {takes} for that")
+            format!(
+                "`{name}` changes its speed by {change} and keeps it for {room}, but its stage takes {takes} for the change"
+            )
         } else {
             let off = Quantity::length_um(rounding_um + cut_um(turn.change_um_per_s, period_s));
-            format!("`{name}` changes its speed by {change}, its stage is {off} off its way there")
+            format!("`{name}` changes its speed by {change}; its stage is {off} off its path there")
         };
         let by_stage = limits.acceleration_um_per_s2.map(|most| {
-            format!("{} off by its `acceleration` of {}, ", Quantity::length_um(rounding_um), acceleration(most))
+            format!(
+                "{} off because of its `acceleration` of {}; ",
+                Quantity::length_um(rounding_um),
+                acceleration(most)
+            )
         });
-        let by_places = Some(format!("places {} apart, ", seconds(period_s))).filter(|_| period_s > 0.0);
+        let by_places = Some(format!("positions {} apart; ", seconds(period_s))).filter(|_| period_s > 0.0);
         let at_wire: String = by_stage.into_iter().chain(by_places).collect();
         let at_wire = format!("{at_wire}half of the tolerance is {}", Quantity::length_um(spare_um));
         let shares = self.of_wire().flat_map(|stage| {
@@ -161,8 +167,8 @@ fn ends_um(wired: &WiredChannel) -> Option<[f64; 2]> {
 /// Advice for speeds that are too high: `share` of them is not.
 fn slower(share: f64) -> String {
     match (share * 100.0).floor() {
-        percent if percent >= 1.0 => format!("lower the speeds of the device to {percent} % of what they are"),
-        _ => "choose another stage or controller: it could not follow a hundredth of the speeds".to_owned(),
+        percent if percent >= 1.0 => format!("lower the speeds of the device to {percent} % of their values"),
+        _ => "use another stage or controller: this one cannot follow even 1 % of the speeds".to_owned(),
     }
 }
 
@@ -186,12 +192,12 @@ fn origin_help(ways_um: &[[f64; 2]], own_um: [f64; 2], travel_um: [f64; 2], dire
     let all_um = ways_um.iter().fold(own_um, widest);
     let way = Quantity::length_um(own_um[1] - own_um[0]);
     match (origin_within(all_um, travel_um, direction), origin_within(own_um, travel_um, direction)) {
-        (Some(origin_um), _) => format!("position 0 may lie elsewhere on the stage: `origin: {origin_um} um`"),
+        (Some(origin_um), _) => format!("move position 0 on the stage: write `origin: {origin_um} um`"),
         (None, Some(origin_um)) => format!(
             "no `origin` fits all stages of this wire: give each channel a wire of its own, this one with `origin: {origin_um} um`"
         ),
         (None, None) => {
-            format!("the way is {way} long: take a stage that travels as far, or keep the hand in less room")
+            format!("the motion spans {way}: use a stage that travels as far, or keep the hand in a smaller space")
         }
     }
 }
@@ -226,7 +232,7 @@ mod tests {
             "{}",
             help([-0.1, 99.7], Direction::Forward)
         );
-        assert!(help([-30.0, 71.0], Direction::Forward).starts_with("the way is 101 um long"));
+        assert!(help([-30.0, 71.0], Direction::Forward).starts_with("the motion spans 101 um"));
         let beside =
             |other_um| origin_help(&[[-30.0, 50.0], other_um], [-30.0, 50.0], [0.0, 100.0], Direction::Forward);
         assert!(beside([-45.0, 20.0]).ends_with("`origin: 48 um`"), "{}", beside([-45.0, 20.0]));

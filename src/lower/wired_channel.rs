@@ -31,7 +31,7 @@ impl WiredChannel<'_> {
         Diagnostic::new(code, title).label(self.drive.span, at_wire).label_elsewhere(
             step.span,
             self.drive.span,
-            format!("asked for by this step, from {begin} on"),
+            format!("required by this step, from {begin} on"),
         )
     }
 

@@ -48,7 +48,7 @@ impl std::fmt::Display for ReadError {
         match self {
             ReadError::Form(what) => f.write_str(what),
             ReadError::Version { format, version } => {
-                write!(f, "format `{format}` version {version} where `{FORMAT}` version {VERSION} is read")
+                write!(f, "format `{format}` version {version} is not `{FORMAT}` version {VERSION}")
             }
             ReadError::Contradiction { place, what } => write!(f, "`{place}` {what}"),
         }
@@ -86,21 +86,21 @@ fn check(schedule: &Schedule) -> Result<(), ReadError> {
     let wrong = |place: String, what: &str| Err(ReadError::Contradiction { place, what: what.to_owned() });
     let too_late = |start: u64, duration: u64| start.max(duration) > MAX_DURATION_NS;
     if schedule.duration_ns > MAX_DURATION_NS {
-        return wrong("duration_ns".into(), "is beyond every clock");
+        return wrong("duration_ns".into(), "is beyond the longest schedule");
     }
     for (index, actuation) in schedule.actuations.iter().enumerate() {
         let place = |field: &str| format!("actuations[{index}].{field}");
         if actuation.channel as usize >= schedule.channels.len() {
-            return wrong(place("channel"), "names no channel");
+            return wrong(place("channel"), "names a channel that does not exist");
         }
         if actuation.step as usize >= schedule.steps.len() {
-            return wrong(place("step"), "names no step");
+            return wrong(place("step"), "names a step that does not exist");
         }
         if actuation.duration_ns == 0 {
             return wrong(place("duration_ns"), "is zero");
         }
         if too_late(actuation.start_ns, actuation.duration_ns) {
-            return wrong(place("start_ns"), "is beyond every clock");
+            return wrong(place("start_ns"), "is beyond the longest schedule");
         }
         if let Some((field, what)) = actuation.swing.and_then(|swing| swing_fault(actuation, swing)) {
             return wrong(place(field), what);
@@ -108,29 +108,29 @@ fn check(schedule: &Schedule) -> Result<(), ReadError> {
     }
     for (index, step) in schedule.steps.iter().enumerate() {
         if step.plan as usize >= schedule.plans.len() {
-            return wrong(format!("steps[{index}].plan"), "names no plan");
+            return wrong(format!("steps[{index}].plan"), "names a plan that does not exist");
         }
         if too_late(step.start_ns, step.duration_ns) {
-            return wrong(format!("steps[{index}].start_ns"), "is beyond every clock");
+            return wrong(format!("steps[{index}].start_ns"), "is beyond the longest schedule");
         }
         for (nth, operation) in step.operations.iter().enumerate() {
             if too_late(operation.start_ns.max(operation.arrival_ns), operation.duration_ns) {
-                return wrong(format!("steps[{index}].operations[{nth}]"), "is beyond every clock");
+                return wrong(format!("steps[{index}].operations[{nth}]"), "is beyond the longest schedule");
             }
         }
     }
     for (index, hold) in schedule.holds.iter().enumerate() {
         if hold.step as usize >= schedule.steps.len() {
-            return wrong(format!("holds[{index}].step"), "names no step");
+            return wrong(format!("holds[{index}].step"), "names a step that does not exist");
         }
         if too_late(hold.start_ns, hold.terms.duration_ns) {
-            return wrong(format!("holds[{index}].start_ns"), "is beyond every clock");
+            return wrong(format!("holds[{index}].start_ns"), "is beyond the longest schedule");
         }
     }
     for (index, plan) in schedule.plans.iter().enumerate() {
         let last_ns = plan.states.iter().map(|state| state.t_ns).max().unwrap_or(0);
         if too_late(plan.start_ns, plan.duration_ns) || last_ns > MAX_DURATION_NS {
-            return wrong(format!("plans[{index}]"), "is beyond every clock");
+            return wrong(format!("plans[{index}]"), "is beyond the longest schedule");
         }
     }
     Ok(())
@@ -141,10 +141,10 @@ fn swing_fault(actuation: &Actuation, swing: Swing) -> Option<(&'static str, &'s
     let Swing { period_ns, levels } = swing;
     let bits = |values: [f64; 2]| values.map(f64::to_bits);
     if period_ns == 0 || !period_ns.is_multiple_of(2) {
-        return Some(("swing.period_ns", "is zero or odd, and so has no halves"));
+        return Some(("swing.period_ns", "is zero or odd, so it has no halves"));
     }
     if !actuation.duration_ns.is_multiple_of(period_ns) {
-        return Some(("duration_ns", "is no whole number of its swing's periods"));
+        return Some(("duration_ns", "is not a whole number of its swing's periods"));
     }
     let agrees = bits(levels) == bits([actuation.from, actuation.to]);
     (!agrees).then_some(("swing.levels", "are not `from` and `to`"))

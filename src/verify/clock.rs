@@ -49,7 +49,7 @@ impl<'a> JudgedRun<'a> {
         findings.asked(Rule::Wait, 1);
         let step = self.step(nth);
         if step.duration_ns != duration_ns {
-            let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
+            let title = format!("the wait lasts {}, but {} in the program", ms(step.duration_ns), ms(duration_ns));
             findings.push(self.violation(Rule::Wait, nth, step.start_ns, title));
         }
     }
@@ -74,11 +74,11 @@ fn plans(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     findings.asked(Rule::Plan, claims.jobs.len().max(1));
     let mut find = |time_ns, title| findings.push(Violation::new(Rule::Plan, time_ns, title));
     if schedule.name != claims.name {
-        find(0, format!("the schedule is of `{}`, not of `{}`", schedule.name, claims.name));
+        find(0, format!("the schedule is for `{}`, not for `{}`", schedule.name, claims.name));
     }
     if schedule.plans.len() != claims.jobs.len() {
         let (plans, jobs) = (schedule.plans.len(), claims.jobs.len());
-        find(0, format!("the schedule holds {plans} plans, but the program runs {jobs} tasks"));
+        find(0, format!("the schedule has {plans} plans, but the program runs {jobs} tasks"));
     }
     for (index, (plan, job)) in schedule.plans.iter().zip(&claims.jobs).enumerate() {
         let (kind, claimed) = (plan.kind.name(), job.kind().name());
@@ -123,7 +123,8 @@ fn steps(run: &JudgedRun, findings: &mut Findings) {
     for index in &run.steps {
         let step = &run.schedule.steps[*index];
         if step.task != run.job.task {
-            let title = format!("step {index} is of the task `{}`, in a run of `{}`", step.task, run.job.task);
+            let title =
+                format!("step {index} belongs to the task `{}`, but is in a run of `{}`", step.task, run.job.task);
             findings.push(Violation::new(Rule::Step, step.start_ns, title).step(*index));
         }
         if step.start_ns != due_ns {
@@ -164,7 +165,7 @@ fn devices(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
         let plan = &schedule.plans[schedule.steps[actuation.step as usize].plan as usize];
         if channel.device != plan.device {
             let title = format!(
-                "actuation {index} is on `{}` of the device `{}`, in a run on `{}`",
+                "actuation {index} is on `{}` of the device `{}`, but its run is on `{}`",
                 channel.name, channel.device, plan.device
             );
             let violation = Violation::new(Rule::Interval, actuation.start_ns, title);

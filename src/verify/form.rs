@@ -35,7 +35,7 @@ fn references(schedule: &Schedule, findings: &mut Findings) {
     findings.asked(Rule::Reference, 2 * schedule.actuations.len() + schedule.steps.len());
     let mut find = |what: &str, index: usize, of: &str, named: u32, known: usize, time_ns: u64| {
         if named as usize >= known {
-            let title = format!("{what} {index} names {of} {named}, but there are {known}");
+            let title = format!("{what} {index} names {of} {named}, but there are {known}, counted from 0");
             findings.push(Violation::new(Rule::Reference, time_ns, title));
         }
     };
@@ -53,7 +53,7 @@ fn actuation_numbers(schedule: &Schedule, findings: &mut Findings) {
     for (index, actuation) in schedule.actuations.iter().enumerate() {
         let Actuation { start_ns, duration_ns, from, to, .. } = *actuation;
         let fault = if duration_ns == 0 {
-            "lasts 0 ns, more than 0 ns is needed".to_owned()
+            "lasts 0 ns, but must last longer".to_owned()
         } else if start_ns.checked_add(duration_ns).is_none() {
             past_the_clock(start_ns, duration_ns)
         } else if !from.is_finite() || !to.is_finite() {
@@ -135,9 +135,9 @@ fn channels(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     for channel in &schedule.channels {
         let own = is_auxiliary(channel, claims).then_some((channel.device.as_str(), ChannelUnit::Volt));
         let fault = match own.or_else(|| owner(&channel.name, &orders)) {
-            None => format!("channel `{}` is none of the devices of this program", channel.name),
+            None => format!("channel `{}` belongs to no device of this program", channel.name),
             Some((device, _)) if device != channel.device => {
-                format!("channel `{}` is of the device `{device}`, not of `{}`", channel.name, channel.device)
+                format!("channel `{}` belongs to the device `{device}`, not to `{}`", channel.name, channel.device)
             }
             Some((_, unit)) if unit != channel.unit => {
                 format!("channel `{}` is in {}, not in {}", channel.name, unit.symbol(), channel.unit.symbol())
@@ -226,7 +226,7 @@ fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
         if let Some(value) = levels.into_iter().find(|value| !is_played(*value)) {
             let (name, unit, output) = (&channel.name, channel.unit.symbol(), &drive.output);
             let title = format!(
-                "`{name}` is to be at {value} {unit}, which output `{output}` of `{}` cannot give",
+                "`{name}` must be at {value} {unit}, which output `{output}` of `{}` cannot give",
                 drive.instrument
             );
             findings.push(Violation::new(Rule::Wire, time_ns, title));
@@ -245,7 +245,7 @@ fn stage_speeds(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
         let way_um = (actuation.to - actuation.from).abs();
         if way_um > most * (actuation.duration_ns as f64 / 1e9) * BENCH_ROUNDING {
             let (name, lasts) = (&channel.name, ms(actuation.duration_ns));
-            let title = format!("`{name}` moves by {way_um} um in {lasts}, its stage by {most} um in a second");
+            let title = format!("`{name}` moves by {way_um} um in {lasts}, but its stage moves at most {most} um/s");
             findings.push(Violation::new(Rule::Wire, actuation.start_ns, title));
             return;
         }
@@ -258,7 +258,7 @@ fn order(schedule: &Schedule, findings: &mut Findings) {
     for (index, pair) in schedule.actuations.windows(2).enumerate() {
         if key(&pair[0]) > key(&pair[1]) {
             let title = format!(
-                "actuation {} starts at {} on channel {}, but stands after one at {} on channel {}",
+                "actuation {} starts at {} on channel {}, but comes after one at {} on channel {}",
                 index + 1,
                 ms(pair[1].start_ns),
                 pair[1].channel,
@@ -297,7 +297,7 @@ fn swing_fault(actuation: &Actuation, swing: Swing, order: Option<&Order>) -> Op
     }
     if !duration_ns.is_multiple_of(period_ns) {
         let (lasts, period) = (ms(duration_ns), ms(period_ns));
-        return Some(format!("swings for {lasts}, not a whole number of periods of {period}"));
+        return Some(format!("swings for {lasts}, which is not a whole number of periods of {period}"));
     }
     // Levels that equal two finite numbers are finite.
     let apart = from != first || to != second;

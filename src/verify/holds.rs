@@ -47,8 +47,9 @@ pub(super) fn check(
         let is_other = |one: &&DueStretch| one.job != Some(*run) && meets(one.start_ns, one.end_ns);
         if let Some(DueStretch { start_ns, end_ns, .. }) = stretches.iter().find(is_other) {
             let (start, end) = (ms(*start_ns), ms(*end_ns));
-            findings
-                .push(find(format!("something goes on from {start} to {end}, in a wait that may end at any instant")));
+            findings.push(find(format!(
+                "something else runs from {start} to {end}, during a wait that may end at any instant"
+            )));
         }
         findings.asked(Rule::Held, schedule.actuations.len());
         for actuation in schedule.actuations.iter().filter(|actuation| meets(actuation.start_ns, actuation.end_ns())) {
@@ -58,7 +59,10 @@ pub(super) fn check(
             let lasts = actuation.start_ns <= hold.start_ns && hold.end_ns() <= actuation.end_ns();
             if is_pulse || !is_steady || !lasts {
                 let start = ms(actuation.start_ns);
-                findings.push(find(format!("`{}` changes in the wait, by what begins at {start}", channel.name)));
+                findings.push(find(format!(
+                    "`{}` changes during the wait, by the actuation that begins at {start}",
+                    channel.name
+                )));
                 break;
             }
         }

@@ -173,7 +173,7 @@ fn verify(schedule: Schedule, claims: &Claims) -> Verdict {
 
 /// Diagnostic for claims against which no schedule can be checked.
 pub fn inconclusive(why: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0740, format!("the claims cannot be judged by: {why}"))
+    Diagnostic::new(Code::E0740, format!("no schedule can be checked against the claims: {why}"))
 }
 
 /// Why no schedule can be checked against the claims.

@@ -64,7 +64,7 @@ pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, fi
             output.pulse_ns.map_or(gap_ns == 0, |pulse_ns| gap_ns <= pulse_ns)
         });
         if let Some([_, (t_ns, step, _)]) = apart {
-            let title = format!("`{name}` is switched at {} while the step before still has it", ms(*t_ns));
+            let title = format!("`{name}` is switched at {} while the step before still uses it", ms(*t_ns));
             findings.push(Violation::new(Rule::Output, *t_ns, title).step(*step));
         }
     }

@@ -18,7 +18,7 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
     let mut runs = vec![0; claims.jobs.len()];
     count_runs(&claims.timeline, MAX_DEPTH, &mut runs)?;
     if let Some(job) = runs.iter().position(|runs| *runs != 1) {
-        return Err(Unfit(format!("the claims run job {job} {} times in their timeline, not once", runs[job])));
+        return Err(Unfit(format!("the claims' timeline runs job {job} {} times; it must run it once", runs[job])));
     }
     claims.shared.iter().try_for_each(|scene| shared(scene, claims))?;
     let mut devices = BTreeMap::new();
@@ -30,10 +30,13 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
         judge.premise()?;
         let first = devices.entry(job.device.as_str()).or_insert(job);
         if !judge.has_facts_of(&first.order) {
-            return Err(Unfit(format!("the claims hold two sets of facts about the device `{}`", job.device)));
+            return Err(Unfit(format!(
+                "the claims have two different sets of facts about the device `{}`",
+                job.device
+            )));
         }
         if !judge.has_parts_of(&first.order) {
-            return Err(Unfit(format!("the claims hold two sets of parts on the device `{}`", job.device)));
+            return Err(Unfit(format!("the claims have two different sets of parts on the device `{}`", job.device)));
         }
     }
     Ok(())
@@ -44,7 +47,7 @@ pub(super) fn check(claims: &Claims) -> Result<(), Unfit> {
 fn holds(job: &Job) -> Result<(), Unfit> {
     let unfit = |why: &str| Err(Unfit(format!("the claims have `{}` wait {why}", job.task)));
     if job.holds.iter().any(|hold| hold.step >= job.steps() || hold.terms.duration_ns == 0) {
-        return unfit("at a step that there is not, or for no time");
+        return unfit("at a step that does not exist, or for no time");
     }
     if job.holds.windows(2).any(|pair| pair[0].step >= pair[1].step) {
         return unfit("twice at one step");
@@ -58,9 +61,9 @@ fn holds(job: &Job) -> Result<(), Unfit> {
 fn outputs(job: &Job, claims: &Claims) -> Result<(), Unfit> {
     for event in &job.events {
         let unfit = |why: &str| Err(Unfit(format!("the claims switch the output `{}` {why}", event.output)));
-        let Some(output) = claims.outputs.get(&event.output) else { return unfit("and do not know it") };
+        let Some(output) = claims.outputs.get(&event.output) else { return unfit("but do not define it") };
         if event.step >= job.steps() {
-            return unfit("at a step that there is not");
+            return unfit("at a step that does not exist");
         }
         let levels = [output.low_v, output.high_v, output.rest_v];
         let between = |volts: f64| output.low_v.min(output.high_v) <= volts && volts <= output.low_v.max(output.high_v);
@@ -73,7 +76,7 @@ fn outputs(job: &Job, claims: &Claims) -> Result<(), Unfit> {
         let rests = between(output.rest_v)
             && (output.is_graded || output.rest_v == output.low_v || output.rest_v == output.high_v);
         if !levels.into_iter().all(f64::is_finite) || !rests || !is_of_its_sort {
-            return unfit("in a way that it does not have");
+            return unfit("in a way that it does not support");
         }
     }
     Ok(())
@@ -90,7 +93,7 @@ fn shared(scene: &SharedScene, claims: &Claims) -> Result<(), Unfit> {
         let unfit = |why: &str| Err(Unfit(format!("the claims' scene `{}` places `{device}` {why}", scene.scene)));
         let jobs = || claims.jobs.iter().filter(|job| job.device == *device);
         if !is_frame(frame) {
-            return unfit("nowhere");
+            return unfit("out of range");
         }
         if jobs().next().is_none() || jobs().any(|job| job.kind().vocabulary().frames == Frames::No) {
             return unfit("as a robot that the program does not run");
@@ -114,7 +117,9 @@ fn count_runs(timeline: &Timeline, depth: usize, runs: &mut [u64]) -> Result<(),
         }
         Timeline::Run(job) => {
             let known = runs.len();
-            let count = runs.get_mut(*job).ok_or_else(|| Unfit(format!("the claims run job {job} of {known} jobs")))?;
+            let count = runs.get_mut(*job).ok_or_else(|| {
+                Unfit(format!("the claims' timeline runs job {job}, but they have {known} jobs, counted from 0"))
+            })?;
             *count += 1;
             Ok(())
         }

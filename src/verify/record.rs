@@ -51,7 +51,7 @@ fn names(run: &JudgedRun, findings: &mut Findings) {
     ];
     findings.asked(Rule::Figure, named.len());
     for (what, recorded, claimed) in named.into_iter().filter(|(_, recorded, claimed)| recorded != claimed) {
-        let title = format!("the plan of `{}` has the {what} `{recorded}`, but `{claimed}` is due", run.job.task);
+        let title = format!("the plan of `{}` has the {what} `{recorded}`, but must have `{claimed}`", run.job.task);
         findings.push(figure(run, title));
     }
 }
@@ -72,8 +72,7 @@ fn cost(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
 fn estimate(run: &JudgedRun, findings: &mut Findings) {
     let cost = run.plan.cost;
     if !(0.0..=1.0).contains(&cost) {
-        let title =
-            format!("the recorded cost of `{}` is {}, which is no share from 0 to 1", run.job.task, digits(cost));
+        let title = format!("the recorded cost of `{}` is {}; it must be between 0 and 1", run.job.task, digits(cost));
         findings.push(figure(run, title));
     }
 }
@@ -88,7 +87,7 @@ fn bound(run: &JudgedRun, findings: &mut Findings) {
         format!("the lower bound of `{}` is {bound}{unit}, above its cost of {cost}{unit}", run.job.task)
     } else if run.plan.optimal {
         let (bound, cost) = apart(bound, cost);
-        format!("`{}` is called optimal at {cost}{unit}, but its lower bound is only {bound}{unit}", run.job.task)
+        format!("`{}` is recorded as optimal at {cost}{unit}, but its lower bound is only {bound}{unit}", run.job.task)
     } else {
         return;
     };
@@ -156,11 +155,11 @@ fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
         let other = step.reached.iter().zip(&due).find(differs);
         let wrong = match other {
             Some((recorded, due)) => format!("{recorded}; the replay gives: {due}"),
-            None if has != is_due => format!("{has} goals, and the replay reaches {is_due}"),
+            None if has != is_due => format!("{has} goals, but the replay reaches {is_due}"),
             None => continue,
         };
         let title =
-            format!("step {} of `{}` is recorded as reaching its goal otherwise: {wrong}", nth + 1, run.job.task);
+            format!("the recorded result of step {} of `{}` differs from the replay: {wrong}", nth + 1, run.job.task);
         let place = run.job.step_spans().get(nth).map_or(run.job.run_span, |span| *span);
         let wrong = Violation::new(Rule::Figure, run.plan.start_ns, title);
         findings.push(wrong.label(place, "this step").step(run.steps[nth]));
@@ -185,7 +184,7 @@ fn operations(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
         };
         for (recorded, due) in step.operations.iter().zip(due).filter(differs) {
             let described = |parts: &[String], [start, arrival, end]: [u64; 3]| {
-                format!("{} from {} to {}, there at {}", parts.join(" with "), ms(start), ms(end), ms(arrival))
+                format!("{} from {} to {}, arriving at {}", parts.join(" with "), ms(start), ms(end), ms(arrival))
             };
             let times_ns = [recorded.start_ns, recorded.arrival_ns, recorded.end_ns()];
             let (recorded, replayed) = (described(&recorded.parts, times_ns), described(&due.parts, due.times_ns));
@@ -296,7 +295,7 @@ fn broken(run: &JudgedRun, requirement: &Requirement, outcome: &Outcome, value: 
         Relation::More => "more than",
     };
     let (value, limit) = quantities_apart(value, requirement.limit, outcome.unit.dimension());
-    let title = format!("{name} of {value} in `{}`, {words} {limit} is required", run.job.task);
+    let title = format!("{name} of {value} in `{}`; {words} {limit} is required", run.job.task);
     Violation::new(Rule::Requirement, run.end_ns(), title)
         .label(requirement.span, format!("this limit; the plan takes {value}"))
         .label(run.job.run_span, "in this run")
@@ -306,16 +305,16 @@ fn broken(run: &JudgedRun, requirement: &Requirement, outcome: &Outcome, value: 
 fn mend(run: &JudgedRun, relation: Relation, name: &'static str, value: &str) -> String {
     let objective = judge_of(&run.job.order).minimized_as(name);
     let limit = match relation {
-        Relation::AtMost | Relation::AtLeast | Relation::Equal => format!("a limit of {value} would hold"),
-        Relation::Less => format!("a limit above {value} would hold"),
-        Relation::More => format!("a limit below {value} would hold"),
+        Relation::AtMost | Relation::AtLeast | Relation::Equal => format!("set the limit to {value}"),
+        Relation::Less => format!("raise the limit above {value}"),
+        Relation::More => format!("lower the limit below {value}"),
     };
     match (relation, objective) {
         (Relation::AtMost | Relation::Less, Some(objective)) if run.plan.objective == objective => {
             format!("{limit}; the plan is already made with `minimize {objective}`")
         }
         (Relation::AtMost | Relation::Less, Some(objective)) => {
-            format!("{limit}; `minimize {objective}` may bring it down")
+            format!("{limit}; `minimize {objective}` may lower the value")
         }
         (Relation::AtMost | Relation::Less, None)
         | (Relation::Equal | Relation::AtLeast | Relation::More, Some(_) | None) => limit,

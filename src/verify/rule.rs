@@ -22,8 +22,8 @@ pub struct Violation {
 }
 
 /// Help of a violation that the program cannot have caused.
-const NOT_THE_PROGRAM: &str = "a schedule fresh from `tweeze build` never breaks this rule, so report it as a bug with the \
-     program; a log that breaks it was edited, or made for another device";
+const NOT_THE_PROGRAM: &str = "a schedule fresh from `tweeze build` never breaks this rule: report it as a bug, \
+     with the program attached; a log that breaks it was edited, or made for another device";
 
 impl Violation {
     pub(super) fn new(rule: Rule, time_ns: u64, title: impl Into<String>) -> Self {

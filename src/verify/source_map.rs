@@ -30,14 +30,16 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, sources: &Sources, fin
     for (span, recorded) in written {
         let RecordedText { step, ref what, start_ns, .. } = recorded;
         let Some((_, file)) = sources.files().find(|(id, _)| *id == span.file) else {
-            let title = format!("{what} is not of a file of the program");
+            let title = format!("{what} is from no file of the program");
             findings.push(Violation::new(Rule::SourceMap, start_ns, title).step(step));
             continue;
         };
         let (line, column) = walk.position(file, span);
         for (which, recorded, written) in differences(&recorded, file, span, line, column) {
             let title = format!("{what} has the {which} `{recorded}`, but the program has `{written}`");
-            findings.push(Violation::new(Rule::SourceMap, start_ns, title).step(step).label(span, "the program's own"));
+            findings.push(
+                Violation::new(Rule::SourceMap, start_ns, title).step(step).label(span, "as written in the program"),
+            );
         }
     }
 }

@@ -104,7 +104,7 @@ fn every_line_has_an_answer_and_nonsense_stops_it() {
     assert!(answers[4]["error"].as_str().is_some_and(|why| why.contains("`D9` is no robot of the scene")));
     assert!(answers[5]["error"].as_str().is_some_and(|why| why.contains("expected a whole number of ns")));
     assert!(answers[6]["error"].as_str().is_some_and(|why| why.contains("one JSON object")));
-    assert!(answers[7]["error"].as_str().is_some_and(|why| why.contains("`D1` is there twice")));
+    assert!(answers[7]["error"].as_str().is_some_and(|why| why.contains("`D1` occurs twice")));
     assert!(String::from_utf8_lossy(&run.get_output().stderr).contains("tweeze: stopped: "));
     assert_eq!((&answers[8]["command"], &answers[8]["reason"]), (&json!("stop"), &json!("garbled")));
     assert_eq!(answers.len(), 9);

@@ -395,9 +395,9 @@ fn json_of_swings_keeps_to_its_schema_and_its_sense() {
         json::read(&bytes).expect_err("a contradiction").to_string()
     };
     let odd = place(|schedule| schedule.actuations[2].swing.as_mut().unwrap().period_ns = 15);
-    assert_eq!(odd, "`actuations[2].swing.period_ns` is zero or odd, and so has no halves");
+    assert_eq!(odd, "`actuations[2].swing.period_ns` is zero or odd, so it has no halves");
     let part = place(|schedule| schedule.actuations[2].duration_ns += 1);
-    assert_eq!(part, "`actuations[2].duration_ns` is no whole number of its swing's periods");
+    assert_eq!(part, "`actuations[2].duration_ns` is not a whole number of its swing's periods");
     let levels = place(|schedule| schedule.actuations[2].from = 1.0);
     assert_eq!(levels, "`actuations[2].swing.levels` are not `from` and `to`");
 }

@@ -33,7 +33,7 @@ fn whole<'de, D: Deserializer<'de>>(reader: D) -> Result<u64, D::Error> {
         type Value = u64;
 
         fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
-            text.write_str("a whole number of ns from 0 on")
+            text.write_str("a whole number of ns, at least 0")
         }
 
         fn visit_u64<E: Error>(self, number: u64) -> Result<u64, E> {
@@ -59,14 +59,14 @@ where
         type Value = BTreeMap<String, V>;
 
         fn expecting(&self, text: &mut fmt::Formatter) -> fmt::Result {
-            text.write_str("an object with robots by their names")
+            text.write_str("an object of robots by name")
         }
 
         fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Self::Value, A::Error> {
             let mut found = BTreeMap::new();
             while let Some((name, value)) = entries.next_entry::<String, V>()? {
                 if found.contains_key(&name) {
-                    return Err(A::Error::custom(format!("`{name}` is there twice")));
+                    return Err(A::Error::custom(format!("`{name}` occurs twice")));
                 }
                 found.insert(name, value);
             }

@@ -195,7 +195,7 @@ fn touch(
     let [one, other] = devices;
     let time_ns = stretches[0].start_ns.max(stretches[1].start_ns);
     let title = format!(
-        "the tips of `{one}` and `{other}` may come within {} um of each other at {}, more than {} um is needed",
+        "the tips of `{one}` and `{other}` may come within {} um of each other at {}; more than {} um is needed",
         digits(distance_um),
         ms(time_ns),
         digits(needed_um)

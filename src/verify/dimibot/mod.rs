@@ -215,8 +215,11 @@ fn start(run: &JudgedRun, order: &DimibotOrder, standing: &Standing, findings: &
             run.job.task, start.value, run.job.device
         );
         let violation = Violation::new(Rule::Start, run.plan.start_ns, title).label(start.span, "this start");
-        findings
-            .push(violation.label(run.job.run_span, "in this run").help(format!("start at {stands}, or leave it out")));
+        findings.push(
+            violation
+                .label(run.job.run_span, "in this run")
+                .help(format!("write `start at {stands}`, or leave it out")),
+        );
     }
     stands
 }
@@ -327,12 +330,12 @@ fn shapes(task: &DimibotRun, findings: &mut Findings) {
             let name = actuator.name();
             if part.from != volts || part.to != volts {
                 let title =
-                    format!("pulse on `{name}` goes from {} V to {} V, {volts} V is needed", part.from, part.to);
+                    format!("the pulse on `{name}` goes from {} V to {} V; {volts} V is needed", part.from, part.to);
                 findings.push(task.at(Rule::Pulse, pulse, title));
             }
             if part.duration_ns != pulse_duration_ns {
                 let (lasts, due) = (ms(part.duration_ns), ms(pulse_duration_ns));
-                let title = format!("pulse on `{name}` lasts {lasts}, {due} is needed");
+                let title = format!("the pulse on `{name}` lasts {lasts}; {due} is needed");
                 findings.push(task.at(Rule::Pulse, pulse, title));
             }
         }
@@ -347,7 +350,8 @@ fn rests(task: &DimibotRun, findings: &mut Findings) {
         let since_ns = next_ns - pulse.start_ns;
         if since_ns < task.slot_ns() {
             let (since, due) = (ms(since_ns), ms(task.slot_ns()));
-            let title = format!("next pulse {since} after the beginning of one, pulse and rest need {due}");
+            let title =
+                format!("a pulse begins {since} after the beginning of the one before; pulse and rest need {due}");
             findings.push(task.at(Rule::Rest, pulse, title));
         }
     }
@@ -357,7 +361,8 @@ fn rests(task: &DimibotRun, findings: &mut Findings) {
         let left_ns = step.end_ns() - pulse.start_ns;
         if left_ns < task.slot_ns() {
             let (left, due) = (ms(left_ns), ms(task.slot_ns()));
-            let title = format!("step ends {left} after the beginning of its last pulse, pulse and rest need {due}");
+            let title =
+                format!("the step ends {left} after the beginning of its last pulse; pulse and rest need {due}");
             findings.push(task.at(Rule::Rest, pulse, title));
         }
     }
@@ -395,11 +400,11 @@ fn waits(task: &DimibotRun, findings: &mut Findings) {
         findings.asked(Rule::Wait, 1);
         let step = task.run.step(nth);
         if step.duration_ns != duration_ns {
-            let title = format!("wait lasts {}, {} is claimed", ms(step.duration_ns), ms(duration_ns));
+            let title = format!("the wait lasts {}, but {} in the program", ms(step.duration_ns), ms(duration_ns));
             findings.push(task.of(Rule::Wait, nth, step.start_ns, title));
         }
         for pulse in task.of_step(nth) {
-            let title = format!("pulse at {} in a wait", ms(pulse.start_ns));
+            let title = format!("there is a pulse at {} during a wait", ms(pulse.start_ns));
             findings.push(task.at(Rule::Wait, pulse, title));
         }
     }
@@ -413,7 +418,7 @@ fn opposed(task: &DimibotRun, findings: &mut Findings) {
         for (_, actuator) in set {
             if pulse.parts.iter().any(|(_, other)| other.is_opposite(*actuator)) {
                 let (name, at) = (actuator.name(), ms(pulse.start_ns));
-                let title = format!("`{name}` at {at} together with the reset of the same module");
+                let title = format!("`{name}` is pulsed at {at} together with the reset of the same module");
                 findings.push(task.at(Rule::Opposed, pulse, title));
             }
         }
@@ -444,7 +449,7 @@ fn simultaneous(task: &DimibotRun, findings: &mut Findings) {
     findings.asked(Rule::Simultaneous, task.pulses.len());
     for pulse in task.pulses.iter().filter(|pulse| pulse.strokes.len() > 1) {
         let (count, at) = (pulse.strokes.len(), ms(pulse.start_ns));
-        let title = format!("{count} modules switched at {at}, 1 at a time is allowed");
+        let title = format!("{count} modules are switched at {at}; only 1 at a time is allowed");
         findings.push(task.at(Rule::Simultaneous, pulse, title));
     }
 }
@@ -453,7 +458,7 @@ fn simultaneous(task: &DimibotRun, findings: &mut Findings) {
 fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     findings.asked(Rule::Sweep, 1);
     if let Some(touch) = scene.touch(task.start, task.start) {
-        let title = format!("the tip is at cell {} at the start, {}", task.start, touch.describe(task.order));
+        let title = format!("the tip starts at cell {}, {}", task.start, touch.describe(task.order));
         let violation = Violation::new(Rule::Sweep, task.run.plan.start_ns, title);
         findings.push(touched(task, violation, &touch).label(task.run.job.run_span, "in this run"));
     }
@@ -543,18 +548,18 @@ fn missed_in_order<'a>(stops: &'a [DimibotStop], cells: &[LatticeCell]) -> Optio
     }
     let (goal, end) = (stops.last()?, cells.last()?);
     if let Some(stop) = left.first() {
-        return Some((stop, format!("cell {} is not reached in its turn, the step ends at {end}", stop.cell)));
+        return Some((stop, format!("cell {} is not reached in its turn; the step ends at {end}", stop.cell)));
     }
-    (goal.cell != *end).then(|| (goal, format!("step goes to cell {} but ends at {end}", goal.cell)))
+    (goal.cell != *end).then(|| (goal, format!("the step must end at cell {}, but ends at {end}", goal.cell)))
 }
 
 fn missed_of_all<'a>(stops: &'a [DimibotStop], cells: &[LatticeCell]) -> Option<(&'a DimibotStop, String)> {
     let (first, end) = (stops.first()?, cells.last()?);
     if let Some(stop) = stops.iter().find(|stop| !cells.contains(&stop.cell)) {
-        return Some((stop, format!("cell {} is not visited, the step ends at {end}", stop.cell)));
+        return Some((stop, format!("cell {} is not visited; the step ends at {end}", stop.cell)));
     }
     let ends_at_stop = stops.iter().any(|stop| stop.cell == *end);
-    (!ends_at_stop).then(|| (first, format!("visit ends at cell {end}, not at one of its stops")))
+    (!ends_at_stop).then(|| (first, format!("the visit ends at cell {end}, not at one of its stops")))
 }
 
 /// The cell used for a position is the nearest one, within the precision that the task demands.

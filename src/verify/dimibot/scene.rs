@@ -27,7 +27,7 @@ pub(super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
     let facts = &order.facts;
     let unfit = |why: &str| Err(Unfit(format!("the claims of a dimibot {why}")));
     if ![facts.left, facts.right].iter().all(|modules| (1..=MAX_MODULES).contains(modules)) {
-        return unfit("give it no module on a side, or too many");
+        return unfit("have no module on a side, or too many");
     }
     let positive = [facts.stroke_um, facts.gain, facts.pulse_voltage_v, facts.pulse_current_a];
     let others = [facts.repeatability_um, facts.tip_radius_um];
@@ -36,13 +36,13 @@ pub(super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
         || facts.gain * facts.stroke_um > MAX_EXTENT_UM
         || !(facts.pulse_voltage_v * facts.pulse_current_a).is_finite()
     {
-        return unfit("hold a field out of its range");
+        return unfit("have a field out of range");
     }
     if order.frame.is_some_and(|frame| !is_frame(&frame)) {
-        return unfit("place it nowhere");
+        return unfit("place it out of range");
     }
     if facts.pulse_duration_ns == 0 || facts.pulse_duration_ns.checked_add(facts.rest_ns).is_none() {
-        return unfit("hold a pulse without length or a rest without end");
+        return unfit("have a pulse of zero duration, or a rest beyond the end of the clock");
     }
     let stops = order.steps.iter().flat_map(DimibotStep::stops);
     let start = order.start.as_ref().map(|start| start.value);
@@ -140,7 +140,7 @@ impl TipTouch {
             None => format!("which touches the cells of `{name}`{others}"),
             Some(gap_um) => {
                 let (gap, room) = (digits(gap_um), digits(room_um(&order.facts)));
-                format!("with a gap of {gap} um to `{name}`{others}, more than {room} um is needed")
+                format!("with a gap of {gap} um to `{name}`{others}; more than {room} um is needed")
             }
         }
     }
@@ -250,6 +250,6 @@ pub(super) fn misplaced(order: &DimibotOrder, stop: &DimibotStop) -> Option<Stri
     let precise = off_um.norm() <= limit_um * (1.0 + TOLERANCE);
     (!precise).then(|| {
         let limit = digits(limit_um);
-        format!("cell {cell} is {off} um off the place ({x}, {y}) um, at most {limit} um is demanded")
+        format!("cell {cell} is {off} um off the place ({x}, {y}) um; at most {limit} um is allowed")
     })
 }

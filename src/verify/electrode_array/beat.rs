@@ -82,7 +82,7 @@ impl JudgedBoard<'_, '_> {
                 let (name, time) = (self.name(part), ms(moment.at_ns));
                 let acting = acting(moment.on, electrodes, at);
                 let on = listed(&acting);
-                let title = format!("electrodes {on} at {time} carry `{name}` from {at} to no neighbour");
+                let title = format!("electrodes {on} at {time} pull `{name}` from {at} in no single direction");
                 self.broken(self.channels.blamed(&acting), moment, title, &[part])
             })
         };
@@ -133,7 +133,7 @@ impl JudgedBoard<'_, '_> {
                 let (name, time) = (self.name(*part), ms(moment.at_ns));
                 let owner =
                     owners.get(&stray).map_or(String::new(), |other| format!(", on for `{}`,", self.name(*other)));
-                let title = format!("electrode {stray}{owner} pulls `{name}` at {at} too, at {time}");
+                let title = format!("electrode {stray}{owner} also pulls `{name}` at {at}, at {time}");
                 return Err(self.broken(self.channels.blamed(&[stray]), moment, title, &[*part]));
             }
         }
@@ -152,7 +152,7 @@ impl JudgedBoard<'_, '_> {
         match moment.on.iter().filter(|cell| !is_of_use(cell)).min() {
             None => Ok(()),
             Some(cell) => {
-                let title = format!("electrode {cell} is on at {} and pulls no part", ms(moment.at_ns));
+                let title = format!("electrode {cell} is on at {} but pulls no part", ms(moment.at_ns));
                 Err(self.broken(Rule::Unused, moment, title, &[]))
             }
         }
@@ -278,14 +278,16 @@ impl JudgedBoard<'_, '_> {
         };
         if let Some((one, other, near)) = first_touch(&ways, needed, apart) {
             let (first, second) = (described(&pulls[one]), described(&pulls[other]));
-            let title =
-                format!("{first} and {second} come as near as {near} at {time}; {needed} electrodes are needed");
+            let title = format!(
+                "{first} and {second} come as near as {near} at {time}; at least {needed} electrodes are needed"
+            );
             return Some((Rule::Touch, title, vec![pulls[one].0, pulls[other].0]));
         }
         let near_stuck = |(pull, way): (&(usize, PartPull), &SweptCells)| Some((pull.clone(), self.scene.stuck(way)?));
         let (pull, (stuck, near)) = pulls.iter().zip(&ways).find_map(near_stuck)?;
         let (first, stuck) = (described(&pull), &self.order.obstacles[stuck].name);
-        let title = format!("{first} comes as near as {near} to `{stuck}` at {time}; {needed} electrodes are needed");
+        let title =
+            format!("{first} comes as near as {near} to `{stuck}` at {time}; at least {needed} electrodes are needed");
         Some((Rule::Touch, title, vec![pull.0]))
     }
 
@@ -296,7 +298,8 @@ impl JudgedBoard<'_, '_> {
         let (part, at, (obstacle, near)) = pulls.iter().find_map(near)?;
         let (name, obstacle, time) = (self.name(part), &self.order.obstacles[obstacle].name, ms(at_ns));
         let due = self.order.facts.clearance;
-        let title = format!("`{name}` comes to {at} at {time}, {near} from `{obstacle}`; {due} electrodes are needed");
+        let title =
+            format!("`{name}` comes to {at} at {time}, {near} from `{obstacle}`; at least {due} electrodes are needed");
         Some((Rule::Clearance, title, vec![part]))
     }
 }

@@ -34,7 +34,7 @@ pub(super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     let moving = || order.steps.iter().filter(|step| !matches!(step.action, ElectrodeArrayAction::Wait(_)));
     let is_assay = |action: &ElectrodeArrayAction| matches!(action, ElectrodeArrayAction::Assay(_));
     let in_one_assay = moving().count() <= 1 && moving().all(|step| is_assay(&step.action));
-    demand(order.contamination.is_unheeded() || in_one_assay, "avoid traces from step to step")?;
+    demand(order.contamination.is_unheeded() || in_one_assay, "avoid traces across several steps")?;
     order.steps.iter().try_for_each(|step| match &step.action {
         ElectrodeArrayAction::Move(moves) => goals(order, moves),
         ElectrodeArrayAction::Assay(operations) => self::operations(order, operations),
@@ -52,28 +52,31 @@ fn demand(holds: bool, why: &str) -> Result<(), Unfit> {
 
 fn facts(facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
     let sides = 1..=MAX_SIDE;
-    demand(sides.contains(&facts.columns) && sides.contains(&facts.rows), "give it no electrode, or too many")?;
+    demand(sides.contains(&facts.columns) && sides.contains(&facts.rows), "have no electrode, or too many")?;
     let numbers = [facts.radius_um, facts.pitch_ratio, facts.potential_v, facts.layout.half_width_pitches];
-    demand(numbers.iter().all(|number| number.is_finite()), "hold a field that is not finite")?;
-    demand(facts.potential_v > 0.0, "hold a potential that pulls nothing")?;
-    demand(facts.step_ns > 0, "hold a step without length")?;
-    demand((0.0..=f64::from(MAX_SIDE)).contains(&facts.layout.half_width_pitches), "hold a body out of its range")?;
-    demand(facts.clearance >= 1, "hold no clearance")?;
+    demand(numbers.iter().all(|number| number.is_finite()), "have a field that is not finite")?;
+    demand(facts.potential_v > 0.0, "have a potential that is not above 0")?;
+    demand(facts.step_ns > 0, "have a step of zero duration")?;
+    demand(
+        (0.0..=f64::from(MAX_SIDE)).contains(&facts.layout.half_width_pitches),
+        "have a body with a size out of range",
+    )?;
+    demand(facts.clearance >= 1, "have a clearance below 1")?;
     let volumes = [facts.least_volume, facts.most_volume];
-    demand(volumes.iter().flatten().all(|volume| volume.is_finite()), "hold a volume that is not finite")?;
-    demand(facts.mixer.iter().all(|side| (2..=MAX_SIDE).contains(side)), "hold a mixing loop out of its range")?;
+    demand(volumes.iter().flatten().all(|volume| volume.is_finite()), "have a volume that is not finite")?;
+    demand(facts.mixer.iter().all(|side| (2..=MAX_SIDE).contains(side)), "have a mixing loop out of range")?;
     if let Some(map) = &facts.map {
         let places = facts.columns as usize * facts.rows as usize;
         let fits = map.columns == facts.columns && [0, places].contains(&map.channels.len());
-        demand(fits, "hold a map of another board")?;
+        demand(fits, "have a map of another board")?;
         let sharing = JudgedChannels::new(facts).electrodes();
         let is_alone = facts.layout.electrodes == Electrodes::Single || sharing == 0;
         demand(is_alone, "share channels on a board of microparts")?;
-        demand(sharing <= MAX_SHARING, "let too many electrodes share their channels")?;
+        demand(sharing <= MAX_SHARING, "let too many electrodes share channels")?;
     }
     facts.reservoirs.as_ref().map_or(Ok(()), |pads| reservoirs(pads, facts))?;
     match facts.separation {
-        Separation::Apart(cells) => demand((1..=MAX_SEPARATION).contains(&cells), "hold a separation out of its range"),
+        Separation::Apart(cells) => demand((1..=MAX_SEPARATION).contains(&cells), "have a separation out of range"),
         Separation::AsPublished => Ok(()),
     }
 }
@@ -81,35 +84,38 @@ fn facts(facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
 /// Frames are whole steps of the board; each sequence begins with a pad of its own and ends with the outlet on.
 fn reservoirs(pads: &ReservoirPads, facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
     let is_whole = pads.frame_ns > 0 && pads.frame_ns.is_multiple_of(facts.step_ns);
-    demand(is_whole, "hold frames of reservoirs that are no steps of the board")?;
+    demand(is_whole, "have reservoir frames that are not whole steps of the board")?;
     let mut outlets = BTreeSet::new();
     let mut owners: BTreeMap<u32, usize> = BTreeMap::new();
     for (nth, sequence) in pads.sequences.iter().enumerate() {
         let outlet = sequence.outlet.pair().map(i64::from);
         demand(
             is_on_board(facts, outlet) && outlets.insert(sequence.outlet),
-            "hold an outlet off the board, or two at once",
+            "have an outlet off the board, or two outlets at one electrode",
         )?;
         let begins = sequence.frames.first().is_some_and(|first| !first.pads.is_empty());
         let ends = sequence.frames.last().is_some_and(|last| last.outlet);
-        demand(begins && ends && sequence.frames.len() <= MAX_DISPENSE_FRAMES, "hold frames that make no droplet")?;
+        demand(
+            begins && ends && sequence.frames.len() <= MAX_DISPENSE_FRAMES,
+            "have frames that dispense no droplet, or too many frames",
+        )?;
         let mut pads = sequence.frames.iter().flat_map(|frame| &frame.pads);
-        demand(pads.all(|pad| *owners.entry(*pad).or_insert(nth) == nth), "give two reservoirs one pad")?;
+        demand(pads.all(|pad| *owners.entry(*pad).or_insert(nth) == nth), "give one pad to two reservoirs")?;
     }
     Ok(())
 }
 
 fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
-    demand(order.parts.len() <= MAX_PARTS, "hold too many parts")?;
+    demand(order.parts.len() <= MAX_PARTS, "have too many parts")?;
     let names: BTreeSet<&str> = order.parts.iter().map(|part| part.name.as_str()).collect();
-    demand(names.len() == order.parts.len(), "hold two parts of one name")?;
+    demand(names.len() == order.parts.len(), "have two parts with the same name")?;
     let electrodes = |cell: ElectrodeCell| {
         let offsets = order.facts.layout.electrodes.offsets().iter();
         offsets.map(move |[columns, rows]| [i64::from(cell.column) + columns, i64::from(cell.row) + rows])
     };
     let is_over = |cell: ElectrodeCell| electrodes(cell).all(|place| is_on_board(&order.facts, place));
     let is_over_board = order.parts.iter().filter_map(|part| part.cell).all(is_over);
-    demand(is_over_board, "hold a part where its electrodes are not on the board")
+    demand(is_over_board, "have a part whose electrodes are not all on the board")
 }
 
 /// Whether there is an electrode at a column and a row.
@@ -127,7 +133,7 @@ fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
         ElectrodeArrayObstacleBody::Electrodes { from, to } => from.column <= to.column && from.row <= to.row,
         ElectrodeArrayObstacleBody::Fixed(_) => true,
     };
-    demand(order.obstacles.iter().all(|obstacle| is_block(&obstacle.body)), "hold an obstacle of no electrodes")
+    demand(order.obstacles.iter().all(|obstacle| is_block(&obstacle.body)), "have an obstacle without electrodes")
 }
 
 /// Zones lie on the board. Stays in heaters, and only those, have a temperature, which is the same for all stays in
@@ -140,18 +146,18 @@ fn zones(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
             && high[0] <= order.facts.columns
             && high[1] <= order.facts.rows
     };
-    demand(order.zones.len() <= ZoneSort::ALL.len() * MAX_ZONES, "hold too many zones")?;
-    demand(order.zones.iter().all(is_block), "hold a zone of no electrodes, or off the board")?;
+    demand(order.zones.len() <= ZoneSort::ALL.len() * MAX_ZONES, "have too many zones")?;
+    demand(order.zones.iter().all(is_block), "have a zone without electrodes, or off the board")?;
     let limits = [order.facts.least_temperature_k, order.facts.most_temperature_k];
-    demand(limits.iter().flatten().all(|limit| limit.is_finite()), "hold a temperature that is not finite")?;
+    demand(limits.iter().flatten().all(|limit| limit.is_finite()), "have a temperature that is not finite")?;
     let mut temperatures: BTreeMap<usize, u64> = BTreeMap::new();
     for step in &order.steps {
         let ElectrodeArrayAction::Assay(operations) = &step.action else { continue };
         for ZoneStay { zone, temperature_k } in operations.iter().flat_map(AssayOperation::zone_stays) {
             let is_heater = order.zones.get(zone).is_some_and(|zone| zone.sort == ZoneSort::Heater);
-            demand(is_heater == temperature_k.is_some(), "heat where no heater is, or without a temperature")?;
+            demand(is_heater == temperature_k.is_some(), "heat where there is no heater, or without a temperature")?;
             let Some(asked_k) = temperature_k else { continue };
-            demand(asked_k.is_finite() && asked_k > 0.0, "hold a temperature that none can be")?;
+            demand(asked_k.is_finite() && asked_k > 0.0, "have a temperature that is not above 0 K")?;
             let known = *temperatures.entry(zone).or_insert(asked_k.to_bits());
             demand(known == asked_k.to_bits(), "give a heater two temperatures")?;
         }
@@ -165,16 +171,19 @@ fn among(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), 
     let distinct: BTreeSet<[u32; 2]> = cells.iter().map(|cell| cell.pair()).collect();
     let is_choice = (2..=MAX_PLACES).contains(&cells.len()) && distinct.len() == cells.len();
     let is_first = operation.stops.len() == 1 && operation.stops[0].cell == cells[0];
-    demand(is_choice && is_first, "choose a place among none, one, too many, or twice the same")?;
+    demand(is_choice && is_first, "choose among too few or too many places, or name one place twice")?;
     let is_plain = !operation.comes && operation.splits.is_none();
-    demand(is_plain, "choose where a part comes or is split")?;
+    demand(is_plain, "choose the place of a part that is dispensed or split")?;
     for place in &operation.among {
         stops(order, std::slice::from_ref(&place.stop))?;
-        demand(place.zone.is_some() == operation.zone.is_some(), "choose a place within a zone and one without")?;
+        demand(
+            place.zone.is_some() == operation.zone.is_some(),
+            "choose between a place in a zone and one outside of zones",
+        )?;
     }
     let sort = |stay: ZoneStay| order.zones.get(stay.zone).map(|zone| zone.sort);
     let sorts: BTreeSet<Option<ZoneSort>> = operation.zone_stays().map(sort).collect();
-    demand(sorts.len() <= 1, "choose a place among zones of several sorts")
+    demand(sorts.len() <= 1, "choose among zones of different sorts")
 }
 
 /// An operation in a zone does nothing but stay there.
@@ -182,7 +191,7 @@ fn in_zone(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay: ZoneSt
     demand(stay.zone < order.zones.len(), "name a zone that they do not have")?;
     let is_plain = operation.with.is_none() && operation.splits.is_none() && !operation.mixes;
     let is_there = !operation.comes && !operation.leaves && operation.stops.len() == 1 && operation.stay_ns > 0;
-    demand(is_plain && is_there, "stay in a zone with more to do, or for no time")
+    demand(is_plain && is_there, "combine a stay in a zone with another operation, or make it last no time")
 }
 
 fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Result<(), Unfit> {
@@ -191,10 +200,13 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
     let mut stays: u64 = 0;
     for (nth, operation) in operations.iter().enumerate() {
         let is_earlier = |lag: &OperationLag| !lag.of.is_empty() && lag.of.iter().all(|of| *of < nth);
-        demand(operation.within.as_ref().is_none_or(is_earlier), "count a time from no earlier operation")?;
+        demand(
+            operation.within.as_ref().is_none_or(is_earlier),
+            "limit a delay after operations that are not earlier ones",
+        )?;
         for part in operation.all_parts() {
             demand(part < order.parts.len(), "move a part that they do not have")?;
-            demand(!gone.contains(&part), "move a part that is gone before")?;
+            demand(!gone.contains(&part), "move a part that is already gone")?;
         }
         if !operation.among.is_empty() {
             among(order, operation)?;
@@ -209,15 +221,18 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
         stays = stays.saturating_add(operation.stay_steps(&order.facts));
         if let Some(with) = operation.with {
             demand(with != operation.part, "merge a part with itself")?;
-            demand(operation.stops.len() == 1 && operation.stay_ns == 0, "merge parts that have stops on their way")?;
-            demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are no droplets")?;
+            demand(operation.stops.len() == 1 && operation.stay_ns == 0, "merge parts that have other stops")?;
+            demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are not droplets")?;
             gone.insert(with);
         }
         if operation.comes {
             let is_plain = operation.with.is_none() && operation.stops.len() == 1 && !operation.leaves;
-            demand(is_plain && operation.stay_ns > 0, "dispense a part that has more to do, or in no time")?;
+            demand(
+                is_plain && operation.stay_ns > 0,
+                "combine dispensing with another operation, or make it last no time",
+            )?;
             let is_held = order.facts.hold == Hold::On && order.facts.layout.electrodes == Electrodes::Single;
-            demand(is_held, "dispense parts that are no droplets, or not held")?;
+            demand(is_held, "dispense parts that are not droplets, or not held")?;
             let outlet = operation.stops.first().map(|stop| stop.cell);
             let is_own = outlet.is_none_or(|outlet| !channels.is_shared(outlet));
             demand(is_own, "dispense a part where a shared channel switches the electrode")?;
@@ -226,11 +241,11 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             let is_whole = sequence.is_none_or(|(pads, sequence)| {
                 operation.stay_ns == pads.frame_ns.saturating_mul(sequence.frames.len() as u64)
             });
-            demand(is_whole, "dispense a part in another time than its frames take")?;
+            demand(is_whole, "dispense a part in a time other than that of its frames")?;
         }
         if operation.leaves {
             let is_plain = operation.with.is_none() && operation.stops.len() == 1 && operation.stay_ns == 0;
-            demand(is_plain, "let a part leave that has more to do")?;
+            demand(is_plain, "combine the leaving of a part with another operation")?;
             gone.insert(operation.part);
         }
     }
@@ -241,26 +256,29 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
 fn mix_or_split(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), Unfit> {
     let is_plain = operation.with.is_none() && !operation.comes && !operation.leaves;
     let is_droplet = order.facts.layout.electrodes == Electrodes::Single;
-    demand(is_plain && is_droplet, "mix or split a part that is no droplet, or has more to do")?;
+    demand(
+        is_plain && is_droplet,
+        "mix or split a part that is not a droplet, or combine that with another operation",
+    )?;
     let Some(half) = operation.splits else {
         return demand(operation.stay_ns > 0, "mix a droplet in no time");
     };
-    demand(!operation.mixes && operation.stay_ns == 0, "split a droplet that has more to do")?;
+    demand(!operation.mixes && operation.stay_ns == 0, "combine a split with mixing or a stay")?;
     demand(half.part != operation.part, "split a droplet from itself")?;
     let [centre, goes] = operation.stops.as_slice() else { return Err(unfit("split a droplet at no cell")) };
     let place = |cell: ElectrodeCell| cell.pair().map(i64::from);
-    demand(is_on_board(&order.facts, place(half.cell)), "name a cell that it does not have")?;
+    demand(is_on_board(&order.facts, place(half.cell)), "name a cell that the board does not have")?;
     let (at, goes, comes) = (place(centre.cell), place(goes.cell), place(half.cell));
     let is_opposite = (0..2).all(|axis| goes[axis] + comes[axis] == 2 * at[axis]);
     let is_beside = (0..2).map(|axis| (goes[axis] - at[axis]).abs()).sum::<i64>() == 1;
-    demand(is_opposite && is_beside, "split a droplet to cells that are not on both sides of it")?;
+    demand(is_opposite && is_beside, "split a droplet to cells that are not on opposite sides of it")?;
     let is_held = order.facts.hold == Hold::On && super::bodies::needed(&order.facts) <= 2;
-    demand(is_held, "split a droplet that is not held, or into two that are too near")
+    demand(is_held, "split a droplet that is not held, or into two that are too close")
 }
 
 fn stops(order: &ElectrodeArrayOrder, stops: &[ElectrodeArrayStop]) -> Result<(), Unfit> {
     let known = stops.iter().all(|stop| is_on_board(&order.facts, stop.cell.pair().map(i64::from)));
-    demand(known, "name a cell that it does not have")
+    demand(known, "name a cell that the board does not have")
 }
 
 fn goals(order: &ElectrodeArrayOrder, moves: &[ElectrodeArrayMove]) -> Result<(), Unfit> {
@@ -278,11 +296,11 @@ fn goals(order: &ElectrodeArrayOrder, moves: &[ElectrodeArrayMove]) -> Result<()
             demand(part < order.parts.len(), "move a part that they do not have")?;
             demand(met.insert(part), "move a part twice in one step")?;
         }
-        demand(!action.stops.is_empty(), "move a part to no goal")?;
+        demand(!action.stops.is_empty(), "move a part without a goal")?;
         stops(order, &action.stops)?;
         if action.with.is_some() {
-            demand(action.stops.len() == 1, "merge parts that have stops on their way")?;
-            demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are no droplets")?;
+            demand(action.stops.len() == 1, "merge parts that have other stops")?;
+            demand(order.facts.layout.electrodes == Electrodes::Single, "merge parts that are not droplets")?;
         }
     }
     Ok(())

@@ -144,7 +144,7 @@ fn other_than(
         Relation::AtLeast => over >= -TOLERANCE,
         Relation::More => over > TOLERANCE,
     };
-    let title = || format!("`{name}` has {reached} of `{what}`, which breaks its limit {}", content.limit);
+    let title = || format!("`{name}` has {reached} of `{what}`, which breaks its limit of {}", content.limit);
     (!is_kept).then(|| BrokenContent { span: content.span, title: title() })
 }
 
@@ -199,7 +199,7 @@ fn operated<'c>(
 
 fn out_of_limits(order: &ElectrodeArrayOrder, part: &str, volume: f64, span: Span) -> Option<BrokenContent> {
     let (least, most) = (order.facts.least_volume.unwrap_or(0.0), order.facts.most_volume.unwrap_or(f64::INFINITY));
-    let title = || format!("`{part}` has a volume of {volume}, the device moves {least} to {most}");
+    let title = || format!("`{part}` has a volume of {volume}; the device moves {least} to {most}");
     let is_kept = (least - TOLERANCE..=most + TOLERANCE).contains(&volume);
     (!is_kept).then(|| BrokenContent { span, title: title() })
 }

@@ -14,7 +14,7 @@ impl JudgedBoard<'_, '_> {
             let Some(within) = &operation.within else { continue };
             let name = &self.order.parts[operation.part].name;
             let (passed, most) = (ms((begins - ended) * step_ns), ms(within.most_ns));
-            let title = format!("`{name}` begins {passed} after what it comes after is done, {most} are allowed");
+            let title = format!("`{name}` begins {passed} after its predecessors end; at most {most} is allowed");
             let at_ns = start_ns + begins * step_ns;
             findings.push(self.run.violation(Rule::Lag, nth, at_ns, title).label(within.span, "this time"));
         }

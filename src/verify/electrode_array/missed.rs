@@ -13,31 +13,31 @@ impl JudgedBoard<'_, '_> {
         let (name, end_ns) = (&self.order.parts[part].name, step.end_ns());
         let ends = match self.cells[part] {
             Some(end) => format!("it ends at {end}"),
-            None if missed.operation.comes || missed.operation.splits.is_some() => "it never comes".to_owned(),
-            None => "it is gone before".to_owned(),
+            None if missed.operation.comes || missed.operation.splits.is_some() => "it never appears".to_owned(),
+            None => "it is gone by then".to_owned(),
         };
         let title = match with {
             None if missed.operation.comes => {
                 let due = ms(beats.saturating_mul(self.order.facts.step_ns));
-                format!("`{name}` is to be dispensed at {cell} in {due} without a pause, but is not; {ends}")
+                format!("`{name}` must be dispensed at {cell} in {due} without a pause, but is not; {ends}")
             }
             Some(other) => {
                 let other = &self.order.parts[other].name;
-                format!("`{name}` and `{other}` are to merge at {cell}, but do not")
+                format!("`{name}` and `{other}` must merge at {cell}, but do not")
             }
             None if missed.operation.mixes => {
                 let due = ms(beats.saturating_mul(self.order.facts.step_ns));
-                format!("`{name}` is to be mixed from {cell} on for {due}, but is not in its turn; {ends}")
+                format!("`{name}` must be mixed from {cell} on for {due} in its turn, but is not; {ends}")
             }
             None if missed.is_split => {
                 let half = missed.operation.splits.map_or("", |half| self.order.parts[half.part].name.as_str());
-                format!("`{half}` is to come out of `{name}`, which goes to {cell}, but does not; {ends}")
+                format!("`{half}` must split off `{name}`, which goes to {cell}, but does not; {ends}")
             }
             None if beats > 0 => {
                 let due = ms(beats.saturating_mul(self.order.facts.step_ns));
-                format!("`{name}` is to stay at {cell} for {due}, but does not in its turn; {ends}")
+                format!("`{name}` must stay at {cell} for {due} in its turn, but does not; {ends}")
             }
-            None => format!("`{name}` is to come to {cell}, but does not in its turn; {ends}"),
+            None => format!("`{name}` must reach {cell} in its turn, but does not; {ends}"),
         };
         let span = missed.stop.map_or(missed.operation.span, |stop| stop.span);
         self.run.violation(Rule::Goal, nth, end_ns, title).label(span, "this operation")

@@ -185,7 +185,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             findings.asked(Rule::Potential, 1);
             if part.from != volts || part.to != volts {
                 let (name, from, to, at) = (name(), part.from, part.to, ms(part.start_ns));
-                let title = format!("{name} goes from {from} V to {to} V at {at}, {volts} V is needed");
+                let title = format!("{name} goes from {from} V to {to} V at {at}; {volts} V is needed");
                 findings.push(self.run.violation(Rule::Potential, nth, part.start_ns, title));
             }
         };
@@ -230,7 +230,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let pulls = self.pulled(&moment)?;
         if let Some((part, pull)) = pulls.iter().find(|(_, pull)| pull.moves()) {
             let (name, at) = (&self.order.parts[*part].name, ms(step.start_ns));
-            let title = format!("`{name}` moves from {} to {} in a wait at {at}", pull.from, pull.to);
+            let title = format!("`{name}` moves from {} to {} during a wait at {at}", pull.from, pull.to);
             return Err(self.run.violation(Rule::Wait, nth, step.start_ns, title).into());
         }
         Ok(())
@@ -442,7 +442,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             return Ok(step.duration_ns / step_ns);
         }
         let (lasts, due) = (ms(step.duration_ns), ms(step_ns));
-        let title = format!("step lasts {lasts}, not a multiple of the board's step of {due}");
+        let title = format!("the step lasts {lasts}, which is not a multiple of the board's step of {due}");
         Err(self.run.violation(Rule::Beat, nth, step.start_ns, title))
     }
 
@@ -474,7 +474,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         if !after_ns.is_multiple_of(beat_ns) || !part.duration_ns.is_multiple_of(beat_ns) {
             let (from, to, beat) = (ms(part.start_ns), ms(part.end_ns()), ms(beat_ns));
             let (name, begins) = (name(), ms(step.start_ns));
-            let title = format!("{name} is on from {from} to {to}; whole steps of {beat} from {begins} on are needed");
+            let title =
+                format!("{name} is on from {from} to {to}; it must be on for whole steps of {beat} from {begins} on");
             return Err(self.run.violation(Rule::Beat, nth, part.start_ns, title));
         }
         let (from, beats) = (after_ns / beat_ns, part.duration_ns / beat_ns);
@@ -499,18 +500,16 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let end_ns = step.end_ns();
         for (part, stop) in stage.empty(&self.cells) {
             let name = &self.order.parts[part].name;
-            let title = format!(
-                "no part is at {} when the step ends, which is a goal of `{name}` and those with it",
-                stop.cell
-            );
+            let title =
+                format!("no part is at {} when the step ends, but it is a goal of the team of `{name}`", stop.cell);
             findings.push(self.run.violation(Rule::Goal, nth, end_ns, title).label(stop.span, "this goal"));
         }
         for (part, stop, is_goal) in stage.missed(&self.cells) {
             let name = &self.order.parts[part].name;
             let title = match (self.cells[part], is_goal) {
-                (None, _) => format!("`{name}` is to move to {}, but has merged with another part before", stop.cell),
-                (Some(end), true) => format!("`{name}` is to end at {}, but ends at {end}", stop.cell),
-                (Some(end), false) => format!("`{name}` does not come by {} in its turn, it ends at {end}", stop.cell),
+                (None, _) => format!("`{name}` must move to {}, but has already merged with another part", stop.cell),
+                (Some(end), true) => format!("`{name}` must end at {}, but ends at {end}", stop.cell),
+                (Some(end), false) => format!("`{name}` does not reach {} in its turn; it ends at {end}", stop.cell),
             };
             findings.push(self.run.violation(Rule::Goal, nth, end_ns, title).label(stop.span, "this stop"));
         }

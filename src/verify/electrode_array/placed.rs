@@ -21,14 +21,17 @@ impl JudgedBoard<'_, '_> {
         if open == 0 {
             return match step.operations.iter().find_map(|recorded| recorded.at) {
                 Some([column, row]) => {
-                    Err(wrong(format!("({column}, {row}) is recorded as chosen, and no place is open")).into())
+                    Err(wrong(format!("({column}, {row}) is recorded as chosen, but the program leaves no choice"))
+                        .into())
                 }
                 None => Ok(Cow::Borrowed(operations)),
             };
         }
         if step.operations.len() != operations.len() {
             let (recorded, due) = (step.operations.len(), operations.len());
-            return Err(wrong(format!("{recorded} operations are recorded with their places, there are {due}")).into());
+            return Err(
+                wrong(format!("{recorded} operations are recorded with their places, but there are {due}")).into()
+            );
         }
         let mut placed = Vec::with_capacity(operations.len());
         for (operation, recorded) in operations.iter().zip(&step.operations) {
@@ -41,7 +44,7 @@ impl JudgedBoard<'_, '_> {
                         Some([column, row]) => {
                             format!("`{name}` is at ({column}, {row}), which the program does not name")
                         }
-                        None => format!("the record does not say where `{name}` is for an operation"),
+                        None => format!("the record names no place for an operation of `{name}`"),
                     };
                     return Err(wrong(title).label(operation.span, "this operation").into());
                 }

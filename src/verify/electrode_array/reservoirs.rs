@@ -141,13 +141,19 @@ impl<'r> JudgedBoard<'r, '_> {
         let (at, name) = (ms(at_ns), |part: usize| self.order.parts[part].name.as_str());
         let title = match fault {
             PadFault::Needless(pad) => {
-                format!("pad {pad} is on at {at}, though no reservoir makes a droplet with it then")
+                format!("pad {pad} is on at {at}, but no reservoir dispenses a droplet with it then")
             }
             PadFault::Missing { pad, part, frame } => {
-                format!("pad {pad} is off at {at}, but is on in frame {frame} of what makes `{}`", name(*part))
+                format!(
+                    "pad {pad} is off at {at}, but must be on in frame {frame} of the dispensing of `{}`",
+                    name(*part)
+                )
             }
             PadFault::Outlet { outlet, part, frame } => {
-                format!("electrode {outlet} is on at {at}, but is off in frame {frame} of what makes `{}`", name(*part))
+                format!(
+                    "electrode {outlet} is on at {at}, but must be off in frame {frame} of the dispensing of `{}`",
+                    name(*part)
+                )
             }
         };
         self.run.violation(Rule::Reservoir, nth, at_ns, title)

@@ -81,7 +81,7 @@ pub(super) fn pulses<'a>(
                 let electrode = |name: &str| order.facts.electrode(name).map(JudgedSwitch::Electrode);
                 let pad = |name: &str| order.facts.pad(name).map(JudgedSwitch::Pad);
                 let switch = own.and_then(|name| electrode(name).or_else(|| pad(name))).ok_or_else(|| {
-                    let title = format!("channel `{name}` is none of the device `{}`", run.job.device);
+                    let title = format!("the device `{}` has no channel `{name}`", run.job.device);
                     Violation::new(Rule::Channel, actuation.start_ns, title)
                 })?;
                 switches.insert(actuation.channel, switch);

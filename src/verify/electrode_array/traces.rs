@@ -106,7 +106,7 @@ impl JudgedBoard<'_, '_> {
         findings.asked(Rule::Trace, there.len());
         for Contaminated { part, cell, avoided } in traces.touch(there.iter().copied()) {
             let (name, at) = (&self.order.parts[part].name, ms(at_ns));
-            let title = format!("`{name}` comes to {cell} at {at}, where traces of `{}` are left", avoided.of);
+            let title = format!("`{name}` enters {cell} at {at}, where traces of `{}` remain", avoided.of);
             findings.push(self.run.violation(Rule::Trace, nth, at_ns, title).label(avoided.span, "avoided here"));
         }
     }

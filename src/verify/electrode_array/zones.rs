@@ -90,9 +90,12 @@ impl JudgedBoard<'_, '_> {
             let wanted = ms(operation.stay_ns);
             let title = if stayed < needed {
                 let stayed = ms(stayed.saturating_mul(step_ns));
-                format!("`{name}` is to be at {noun} `{}` for {wanted}, but is there for {stayed} only", zone.name)
+                format!("`{name}` must be at {noun} `{}` for {wanted}, but is there for only {stayed}", zone.name)
             } else if zone.sort == ZoneSort::Detector && alone < needed {
-                format!("`{name}` is to be read by `{}` for {wanted}, but another part is there meanwhile", zone.name)
+                format!(
+                    "`{name}` must be read by `{}` for {wanted}, but another part is there during that time",
+                    zone.name
+                )
             } else {
                 continue;
             };

@@ -77,8 +77,10 @@ impl JudgedHand<'_, '_> {
             return None;
         }
         let listed = |contacts: &[u32]| contacts.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
-        let found = found.first().map_or("none of the plane".to_owned(), |found| format!("({})", listed(found)));
-        Some(format!("a grasp ends on the contacts {found}, ({}) are asked for", listed(contacts)))
+        let found = found
+            .first()
+            .map_or("no contacts of the plane".to_owned(), |found| format!("the contacts ({})", listed(found)));
+        Some(format!("a grasp ends on {found}; the program asks for ({})", listed(contacts)))
     }
 
     /// The part has turned by the requested angle, and about no other axis.
@@ -94,7 +96,9 @@ impl JudgedHand<'_, '_> {
                 let [turn, goal, within] =
                     [turn_rad, goal_rad, within_rad].map(|angle_rad| digits(angle_rad.to_degrees()));
                 let name = plane.name();
-                return Some(format!("the part turns by {turn} deg in {name}, {goal} deg within {within} deg is due"));
+                return Some(format!(
+                    "the part turns by {turn} deg in {name}; it must turn by {goal} deg, within {within} deg"
+                ));
             }
         }
         None
@@ -106,7 +110,7 @@ impl JudgedHand<'_, '_> {
         let within_rad = self.order.precision_rad;
         let [off, within] = [off_rad, within_rad].map(|angle_rad| digits(angle_rad.to_degrees()));
         (off_rad > within_rad + ROUNDING)
-            .then(|| format!("the part ends {off} deg from its orientation, {within} deg are allowed"))
+            .then(|| format!("the part ends {off} deg from its goal orientation; at most {within} deg is allowed"))
     }
 
     /// The part's origin has moved as requested.
@@ -114,7 +118,11 @@ impl JudgedHand<'_, '_> {
         let off_um = (self.grip.pose().position_um - self.since.pose.position_um - by_um).norm();
         let within_um = self.order.facts.tolerance_um;
         (off_um > within_um + ROUNDING).then(|| {
-            format!("the part ends {} um from where it is due, {} um are allowed", digits(off_um), digits(within_um))
+            format!(
+                "the part ends {} um from where it must be; at most {} um is allowed",
+                digits(off_um),
+                digits(within_um)
+            )
         })
     }
 

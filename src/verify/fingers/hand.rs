@@ -89,7 +89,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     ) -> Result<Self, Halt> {
         let facts = &order.facts;
         let body = PartOutlines::of(&order.part, facts.tip_radius_um);
-        let body = body.ok_or_else(|| Unfit("the claims hold an outline that cannot be followed".to_owned()))?;
+        let body = body.ok_or_else(|| Unfit("the claims have an outline that cannot be followed".to_owned()))?;
         let tips_um = tracks.start_um();
         let start = ObjectPose { position_um: Point::from(order.part.position_um), orientation: Default::default() };
         let plane = planes_after(order, 0).first().copied().unwrap_or(Plane::Xy);
@@ -464,7 +464,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     /// Switches the grip to another plane with the same fingers; a new turn begins.
     pub(super) fn change_plane(&mut self, plane: Plane, tips_um: &[Point]) -> Result<(), Halt> {
         let grip = self.grip.anew(plane, &self.body, tips_um);
-        self.grip = grip.ok_or_else(|| Unfit("the claims hold no outline in a plane of a turn".to_owned()))?;
+        self.grip = grip.ok_or_else(|| Unfit("the claims have no outline in a plane of a turn".to_owned()))?;
         (self.leg_rad, self.leg_steps, self.before_steps) = (0.0, 0, 0);
         Ok(())
     }
@@ -477,7 +477,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             let (contact, off_um) = surface.contact(&hold.foot);
             if off_um > self.order.facts.tolerance_um {
                 let title = format!(
-                    "finger {} is {} um off contact {contact} as a finger comes or leaves at {}",
+                    "finger {} is {} um off contact {contact} as a finger arrives or leaves at {}",
                     hold.finger + 1,
                     digits(off_um),
                     ms(time_ns)
@@ -533,7 +533,7 @@ pub(super) fn nominal_step_rad(facts: &FingersFacts) -> f64 {
 
 fn surface_of(body: &PartOutlines, plane: Plane) -> Result<&Surface, Halt> {
     let surface = body.surface(plane);
-    surface.ok_or_else(|| Unfit("the claims hold no outline in a plane of a turn".to_owned()).into())
+    surface.ok_or_else(|| Unfit("the claims have no outline in a plane of a turn".to_owned()).into())
 }
 
 /// The planes in which the contacts of a grasp may be numbered: those of the next turn, or of the last one if none

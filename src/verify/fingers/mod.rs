@@ -122,10 +122,12 @@ impl JudgedState for FingersState {
     fn shown(&self) -> String {
         let contacts: Vec<String> = self.grasp.iter().map(u32::to_string).collect();
         let [x, y, z] = self.position_um.map(digits);
-        let turned = orientation_of(&self.orientation).map_or("not turned as can be".to_owned(), |orientation| {
-            let [x, y, z] = <[f64; 3]>::from(orientation.scaled_axis()).map(|turn_rad| digits(turn_rad.to_degrees()));
-            format!("turned by ({x}, {y}, {z}) deg")
-        });
+        let turned =
+            orientation_of(&self.orientation).map_or("with an invalid orientation".to_owned(), |orientation| {
+                let [x, y, z] =
+                    <[f64; 3]>::from(orientation.scaled_axis()).map(|turn_rad| digits(turn_rad.to_degrees()));
+                format!("turned by ({x}, {y}, {z}) deg")
+            });
         let (contacts, plane, index) = (contacts.join(", "), self.plane.name(), self.angle_index);
         format!("grasp ({contacts}) in {plane} at angle {index}, the part at ({x}, {y}, {z}) um, {turned}")
     }

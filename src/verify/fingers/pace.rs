@@ -108,7 +108,7 @@ impl Pace {
         let outside = |leg: &TipLeg| !is_near((leg.from_um - contact_um).norm(), facts);
         let begin = legs.iter().rposition(outside).unwrap_or(0);
         legs.iter().enumerate().try_for_each(|(at, leg)| match at >= begin && is_near(leg.off_um(contact_um), facts) {
-            true => leg.against(facts.approach_um_per_s, "comes to its contact"),
+            true => leg.against(facts.approach_um_per_s, "approaches its contact"),
             false => leg.against(facts.speed_um_per_s, "is free"),
         })
     }

@@ -124,7 +124,7 @@ impl JudgedHand<'_, '_> {
         findings.asked(Rule::Pierce, tips_um.len());
         let moved = self.grip.follow(self.surface()?, &tips_um);
         let Some((grip, misfit)) = moved else {
-            let title = format!("{} move as no part between them can, at {}", self.holding(), ms(time_ns));
+            let title = format!("no motion of the part fits the tips of {} at {}", self.holding(), ms(time_ns));
             return Err(self.run.violation(Rule::Gap, nth, time_ns, title).into());
         };
         self.check_misfit(nth, time_ns, &misfit)?;
@@ -149,11 +149,12 @@ impl JudgedHand<'_, '_> {
         let violation = if gap_um.abs() >= slip_um.abs() {
             let way = if gap_um > 0.0 { "off" } else { "into" };
             let (finger, gap) = (gapped + 1, digits(gap_um.abs()));
-            let title = format!("finger {finger} moves {gap} um {way} the part at {when}, {allowed} um are allowed");
+            let title =
+                format!("finger {finger} moves {gap} um {way} the part at {when}; at most {allowed} um is allowed");
             self.run.violation(Rule::Gap, nth, time_ns, title)
         } else {
             let (finger, slip) = (slipped + 1, digits(slip_um.abs()));
-            let title = format!("finger {finger} slips by {slip} um at {when}, {allowed} um are allowed");
+            let title = format!("finger {finger} slips by {slip} um at {when}; at most {allowed} um is allowed");
             self.run.violation(Rule::Slip, nth, time_ns, title)
         };
         Err(violation.into())

@@ -20,14 +20,14 @@ impl JudgedHand<'_, '_> {
     pub(super) fn pierce(&self, finger: usize, hit: &TipHit) -> String {
         let (distance, due) = (digits(hit.distance_um), digits(hit.due_um));
         let (finger, when) = (finger + 1, ms(hit.time_ns));
-        format!("the tip of finger {finger} is {distance} um from the part at {when}, {due} um are due")
+        format!("the tip of finger {finger} is {distance} um from the part at {when}; at least {due} um is needed")
     }
 
     pub(super) fn apart(&self, pair: [usize; 2], apart_um: f64, time_ns: u64) -> String {
         let due = digits(clearance::apart_um(&self.order.facts));
         let [one, other] = pair.map(|finger| finger + 1);
         let (apart, when) = (digits(apart_um), ms(time_ns));
-        format!("the tips of fingers {one} and {other} are {apart} um apart at {when}, {due} um are due")
+        format!("the tips of fingers {one} and {other} are {apart} um apart at {when}; at least {due} um is needed")
     }
 
     /// Ends the flights of all free tips.
@@ -46,7 +46,8 @@ impl JudgedHand<'_, '_> {
             self.hurried = Some(nth);
             let [found, due] = [fast.um_per_s, fast.due_um_per_s].map(digits);
             let (finger, doing, when) = (finger + 1, fast.doing, ms(fast.time_ns));
-            let title = format!("finger {finger} {doing} at {when} and moves at {found} um/s, {due} um/s are allowed");
+            let title =
+                format!("finger {finger} {doing} at {when} and moves at {found} um/s; at most {due} um/s is allowed");
             findings.push(self.run.violation(Rule::Speed, nth, fast.time_ns, title));
         }
     }

@@ -169,7 +169,7 @@ fn in_range(run: &JudgedRun, order: &FingersOrder, at: usize, line: &Actuation) 
         return Ok(());
     };
     let (name, when, range) = (name(run, at), ms(line.start_ns), digits(range_um));
-    let title = format!("`{name}` goes to {out_um} um in the stretch from {when} on, but its stage reaches {range} um");
+    let title = format!("`{name}` goes to {out_um} um in the motion from {when} on, but its stage reaches {range} um");
     Err(Violation::new(Rule::Range, line.start_ns, title).step(line.step as usize))
 }
 

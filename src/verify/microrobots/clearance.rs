@@ -47,8 +47,10 @@ pub(super) fn check(bed: &JudgedBed, findings: &mut Findings) -> Result<(), Halt
         let looked = watch.train(index, train, &orbits[index]);
         looked.map_err(|Endless| {
             let at_ns = train.leg.train_ns;
-            let title =
-                format!("bodies go on so close to their limits at {} that it takes too long to tell", ms(at_ns));
+            let title = format!(
+                "the clearance check ran out of its evaluation budget at {}: bodies stay too close to their limits",
+                ms(at_ns)
+            );
             bed.run.violation(Rule::Meet, train.nth, at_ns, title)
         })?;
     }
@@ -144,7 +146,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
                 let title = |at: &str| {
                     let (gap, needed) = (digits(touch.gap_um.max(0.0)), digits(needed_um));
                     format!(
-                        "`{}` comes within {gap} um of `{name}` at {at}; {needed} um are needed",
+                        "`{}` comes within {gap} um of `{name}` at {at}; at least {needed} um is needed",
                         self.bed.name(robot)
                     )
                 };
@@ -173,12 +175,12 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
                 let title = |at: &str| match needed_um < 0.0 {
                     true => {
                         let (depth, allowed) = (digits(-touch.gap_um), digits(-needed_um));
-                        format!("`{one}` and `{other}` overlap by {depth} um at {at}, docking allows {allowed} um")
+                        format!("`{one}` and `{other}` overlap by {depth} um at {at}; docking allows {allowed} um")
                     }
                     false => {
                         let (gap, needed) = (digits(touch.gap_um.max(0.0)), digits(needed_um));
                         format!(
-                            "`{one}` and `{other}` come within {gap} um of each other at {at}; {needed} um are needed"
+                            "`{one}` and `{other}` come within {gap} um of each other at {at}; at least {needed} um is needed"
                         )
                     }
                 };
@@ -270,7 +272,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
             false => format!("lies {gap} um from {name}"),
         };
         self.violation(Rule::Orbit, train, touch.share, |at| {
-            format!("the orbit of `{owner}` {how} at {at}; {needed} um are needed")
+            format!("the orbit of `{owner}` {how} at {at}; at least {needed} um is needed")
         })
     }
 

@@ -320,14 +320,14 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         let strokes = duration_ns.div_ceil(self.order.facts.period_ns);
         let title = match legs {
             [leg] if leg.control != state => {
-                format!("control state {} is applied, {state} is claimed", leg.control)
+                format!("control state {} is applied, but the program applies {state}", leg.control)
             }
             [leg] if leg.strokes != strokes => {
                 let (driven, due) = (leg.strokes, ms(duration_ns));
                 format!("{driven} strokes are driven in `apply`; {strokes} are needed for {due}")
             }
             [_] => return,
-            [] | [_, ..] => format!("`apply` has {} legs, 1 is needed", legs.len()),
+            [] | [_, ..] => format!("`apply` has {} legs; it must have 1", legs.len()),
         };
         findings.push(self.run.violation(Rule::Apply, nth, step.start_ns, title));
     }
@@ -345,10 +345,10 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         let (name, end_ns) = (self.name(robot), self.end_ns(nth));
         let (missed, title) = match left.first() {
             Some(stop) => {
-                (stop, format!("`{name}` does not come by a stop in its turn, {}", self.off(robot, &stop.pose)))
+                (stop, format!("`{name}` does not reach a stop in its turn: {}", self.off(robot, &stop.pose)))
             }
             None if self.is_at(self.places[robot], &goal.pose) => return,
-            None => (goal, format!("`{name}` misses its goal, {}", self.off(robot, &goal.pose))),
+            None => (goal, format!("`{name}` misses its goal: {}", self.off(robot, &goal.pose))),
         };
         findings.push(self.run.violation(Rule::Goal, nth, end_ns, title).label(missed.span, "this stop"));
     }
@@ -358,7 +358,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         let [off_um, off_rad] = self.places[robot].off(pose);
         let precision = self.order.precision;
         format!(
-            "it ends {} um and {} deg from there, {} um and {} deg are allowed",
+            "it ends {} um and {} deg from there; at most {} um and {} deg are allowed",
             digits(off_um),
             digits(off_rad.to_degrees()),
             digits(precision.place_um),
@@ -373,10 +373,12 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
             let (name, is_there) = (self.name(*robot), self.is_at(self.places[*robot], &goal.pose));
             let title = match (self.docked[*robot], is_there) {
                 (Some(_), true) => continue,
-                (Some(_) | None, false) => format!("`{name}` is to dock, {}", self.off(*robot, &goal.pose)),
+                (Some(_) | None, false) => {
+                    format!("`{name}` misses its docking goal: {}", self.off(*robot, &goal.pose))
+                }
                 (None, true) => {
                     let tolerance = digits(self.order.facts.docking.tolerance_um);
-                    format!("`{name}` is to dock, but is farther than {tolerance} um from every robot that is docked")
+                    format!("`{name}` must dock, but is more than {tolerance} um from every docked robot")
                 }
             };
             let violation = self.run.violation(Rule::Dock, nth, self.end_ns(nth), title);

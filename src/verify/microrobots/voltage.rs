@@ -147,12 +147,12 @@ impl DrivenBed<'_, '_> {
         let (max_v, dwell_ns) = (self.order.facts.max_v, self.order.facts.dwell_ns);
         let at = ms(start_ns);
         let title = if from != to {
-            format!("the bed goes from {from} V to {to} V in a control cycle at {at}, which visits steady levels")
+            format!("the bed goes from {from} V to {to} V in a control cycle at {at}; its levels must be steady")
         } else if !(0.0..=max_v).contains(&from) {
-            format!("the bed is at {from} V at {at}, the source gives 0 V to {max_v} V")
+            format!("the bed is at {from} V at {at}; the source gives 0 V to {max_v} V")
         } else if duration_ns < dwell_ns {
             let (lasts, due) = (ms(duration_ns), ms(dwell_ns));
-            format!("the bed is at {from} V for {lasts} at {at}; at least {due} are needed")
+            format!("the bed is at {from} V for {lasts} at {at}; at least {due} is needed")
         } else {
             self.relays.visit(from);
             return Ok(());
@@ -178,11 +178,11 @@ impl DrivenBed<'_, '_> {
         if swing != due {
             let shown =
                 |Swing { period_ns, levels: [one, other] }| format!("{one} V and {other} V every {}", ms(period_ns));
-            let title = format!("the bed swings between {} at {at}, {} is needed", shown(swing), shown(due));
+            let title = format!("the bed swings between {} at {at}; {} is needed", shown(swing), shown(due));
             return Err(self.run.violation(Rule::Train, nth, train_ns, title));
         }
         let Some(start_ns) = cycle_ns else {
-            let title = format!("strokes at {at} without a control cycle before them");
+            let title = format!("the strokes at {at} do not follow a control cycle");
             return Err(self.run.violation(Rule::Train, nth, train_ns, title));
         };
         if let Some(row) = self.relays.unknown() {
@@ -204,7 +204,8 @@ impl DrivenBed<'_, '_> {
         let arms: Vec<Arm> = self.relays.arms.iter().flatten().copied().collect();
         self.controls.get(arms.as_slice()).copied().ok_or_else(|| {
             let digits: String = arms.iter().map(|arm| char::from(b'0' + arm.digit())).collect();
-            let title = format!("the arms are at {digits} at {}, not a control state of the device", ms(train_ns));
+            let title =
+                format!("the arms are in state {digits} at {}, which is no control state of the device", ms(train_ns));
             self.run.violation(Rule::Control, nth, train_ns, title)
         })
     }

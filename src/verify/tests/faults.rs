@@ -190,7 +190,7 @@ fn faults_in_outlines_are_noticed() {
     refused_for(BOTH_PLANES, Fault::Outline, [1.0, 0.04], Rule::State);
     refused_for(LOADED, Fault::Rolled, [1.0, 0.3], Rule::Contact);
     refused_for(BEAD, Fault::WayRolled, [1.01, 0.0], Rule::Contact);
-    inconclusive_for(BEAD, Fault::Perimeter, [1.01, 0.0], "once round an outline");
+    inconclusive_for(BEAD, Fault::Perimeter, [1.01, 0.0], "one turn round an outline");
 }
 
 #[test]

@@ -251,8 +251,8 @@ fn a_broken_requirement_tells_value_and_limit() {
     let claims = limited(Relation::AtMost, "time", 0.039_999_999);
     let schedule = schedule(&claims, &[&[&["bl0.set", "bl1.set"]]]);
     let Verdict::Rejected(violations) = verify(schedule, &claims) else { panic!("the limit is broken") };
-    assert_eq!(violations[0].title, "time of 40 ms in `fetch`, at most 39.999999 ms is required");
-    assert_eq!(violations[0].help.as_deref(), Some("a limit of 40 ms would hold; `minimize time` may bring it down"));
+    assert_eq!(violations[0].title, "time of 40 ms in `fetch`; at most 39.999999 ms is required");
+    assert_eq!(violations[0].help.as_deref(), Some("set the limit to 40 ms; `minimize time` may lower the value"));
 }
 
 #[test]
@@ -292,7 +292,7 @@ fn a_violation_becomes_a_diagnostic() {
     let Verdict::Rejected(found) = verify(schedule, &claims) else { panic!("the voltage is wrong") };
     let diagnostic = Diagnostic::from(found[0].clone());
     assert_eq!(diagnostic.code, Code::E0721);
-    assert_eq!(diagnostic.title, "pulse on `br2.set` goes from 19.5 V to 20 V, 20 V is needed");
+    assert_eq!(diagnostic.title, "the pulse on `br2.set` goes from 19.5 V to 20 V; 20 V is needed");
     assert!(diagnostic.labels.is_empty() && diagnostic.help.is_some());
 }
 

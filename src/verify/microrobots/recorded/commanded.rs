@@ -46,8 +46,10 @@ impl<'r, 'a> Commanded<'r, 'a> {
         let broken = |title: String| Err(Halt::from(run.within(Rule::Exchange, step, at_ns, title)));
         match run.text_lines.get(step) {
             Some(line) if command.line == Some(*line) => {}
-            Some(line) => return broken(format!("the command at {at} does not name line {line} of its step")),
-            None => return broken(format!("the command at {at} is of step {step}, which the task does not have")),
+            Some(line) => {
+                return broken(format!("the command at {at} does not name line {line}, which is that of its step"));
+            }
+            None => return broken(format!("the command at {at} is for step {step}, which the task does not have")),
         }
         let robots = |names: &[String]| names.iter().map(|name| run.robot(name)).collect::<Option<Vec<usize>>>();
         let (Some(_), Some(docked)) = (robots(&command.driven), robots(&command.docked)) else {
@@ -63,9 +65,9 @@ impl<'r, 'a> Commanded<'r, 'a> {
         for robot in 0..self.docked.len() {
             let name = run.name(robot);
             match (self.docked[robot], docked.contains(&robot)) {
-                (true, false) => return broken(format!("`{name}` is no longer held for docked at {at}")),
+                (true, false) => return broken(format!("`{name}` is no longer considered docked at {at}")),
                 (false, true) if !docks(robot) => {
-                    return broken(format!("`{name}` is held for docked at {at}, but no step docks it"));
+                    return broken(format!("`{name}` is considered docked at {at}, but no step docks it"));
                 }
                 (_, is_docked) => self.docked[robot] = is_docked,
             }
@@ -126,7 +128,7 @@ impl<'r, 'a> Commanded<'r, 'a> {
         let facts = &order.facts;
         let broken = |rule, title: String| Err(Halt::from(self.run.within(rule, step, at_ns, title)));
         if let Some(level) = segment.levels_v.iter().find(|level| !(0.0..=facts.max_v).contains(*level)) {
-            let title = format!("a level of {level} V is commanded at {at}, the source gives 0 V to {} V", facts.max_v);
+            let title = format!("a level of {level} V is commanded at {at}; the source gives 0 V to {} V", facts.max_v);
             return broken(Rule::Level, title);
         }
         if segment.strokes == 0 {
@@ -151,7 +153,10 @@ impl<'r, 'a> Commanded<'r, 'a> {
         let digits: String = arms.iter().map(|arm| char::from(b'0' + arm.digit())).collect();
         let control = order.states.iter().position(|state| state.arms == arms).filter(|_| digits == segment.state);
         let Some(control) = control else {
-            return broken(Rule::Control, format!("the arms are at {digits} at {at}, not as the command has them"));
+            return broken(
+                Rule::Control,
+                format!("the arms are in state {digits} at {at}, which is not the state of the command"),
+            );
         };
         let is_down = |robot: &usize| self.docked[*robot] && arms[order.robots[*robot].row] == Arm::Down;
         if let Some(robot) = (0..self.docked.len()).find(is_down) {
@@ -170,7 +175,7 @@ impl<'r, 'a> Commanded<'r, 'a> {
                 let due = duration_ns.div_ceil(self.run.order.facts.period_ns);
                 let strokes = applied.iter().map(|leg| leg.strokes).fold(0, u64::saturating_add);
                 let title = match applied.iter().find(|leg| leg.control != state) {
-                    Some(leg) => format!("control state {} is applied, {state} is claimed", leg.control),
+                    Some(leg) => format!("control state {} is applied, but the program applies {state}", leg.control),
                     None if strokes != due => {
                         format!("{strokes} strokes are driven in `apply`; {due} are needed for {}", ms(duration_ns))
                     }
@@ -181,7 +186,7 @@ impl<'r, 'a> Commanded<'r, 'a> {
             MicrorobotsAction::Wait(duration_ns) if duration_ns > 0 => {
                 let is_kept = applied.is_empty() && rested.is_some();
                 if !is_kept {
-                    let title = format!("the bed is driven in a wait of {}, or does not rest", ms(duration_ns));
+                    let title = format!("the bed is driven during a wait of {}, or does not rest", ms(duration_ns));
                     findings.push(self.run.within(Rule::Wait, step, at_ns, title));
                 }
             }

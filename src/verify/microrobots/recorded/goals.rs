@@ -78,7 +78,7 @@ impl<'r, 'a> Goals<'r, 'a> {
                 let title = match missed {
                     Some(stop) => {
                         let off = self.off(places[*robot], stop);
-                        format!("`{name}` is not measured at a stop in its turn; at {} it is {off}", ms(at_ns))
+                        format!("`{name}` is not measured at a stop in its turn: at {} it is {off}", ms(at_ns))
                     }
                     None if self.is_at(places[*robot], goal) => {
                         let (robot, is_docked) = (name.to_owned(), false);
@@ -119,7 +119,7 @@ impl<'r, 'a> Goals<'r, 'a> {
     ) {
         let (run, at) = (self.run, ms(at_ns));
         if let Some(dock) = docks.iter().find(|dock| !docked[dock.robot]) {
-            let title = format!("the assembly ends at {at}, but `{}` is not held for docked", run.name(dock.robot));
+            let title = format!("the assembly ends at {at}, but `{}` is not considered docked", run.name(dock.robot));
             findings.push(run.within(Rule::Dock, step, at_ns, title).label(dock.goal.span, "this goal"));
             return;
         }
@@ -139,11 +139,11 @@ impl<'r, 'a> Goals<'r, 'a> {
             let apart_um = others.map(gap_um).fold(f64::INFINITY, f64::min);
             let [off_um, off_rad] = fit.off(dock, places[robot]);
             let title = if apart_um > run.order.facts.docking.tolerance_um + run.tolerances.goal_um + ROUNDING_UM {
-                format!("`{name}` is measured at {at} at least {} um from every docked robot", digits(apart_um))
+                format!("at {at}, `{name}` is measured at least {} um from every docked robot", digits(apart_um))
             } else if off_um > may_um || off_rad > may_rad {
                 let off = distances([off_um, off_rad], [may_um, may_rad])
                     .replace("from there", "from its place in the structure");
-                format!("`{name}` is measured at {at} {off}")
+                format!("at {at}, `{name}` is measured {off}")
             } else {
                 let (robot, is_docked) = (name.to_owned(), true);
                 let (allowed_um, allowed_rad) = (may_um, may_rad);
@@ -158,7 +158,7 @@ impl<'r, 'a> Goals<'r, 'a> {
 fn distances([off_um, off_rad]: [f64; 2], [may_um, may_rad]: [f64; 2]) -> String {
     let [off, may] = [off_um, may_um].map(digits);
     let [turned, may_turn] = [off_rad, may_rad].map(|rad| digits(rad.to_degrees()));
-    format!("{off} um and {turned} deg from there; {may} um and {may_turn} deg are allowed")
+    format!("{off} um and {turned} deg from there; at most {may} um and {may_turn} deg are allowed")
 }
 
 /// The rigid motion that fits the goals of an assembly to the measured positions.
@@ -223,7 +223,7 @@ pub(super) fn time(run: &JudgedRecording, took_ns: u64, findings: &mut Findings)
         };
         if !is_kept {
             let (took, limit) = (digits(took_s), digits(requirement.limit));
-            let title = format!("the run took {took} s; the program requires a limit of {limit} s");
+            let title = format!("the run took {took} s; the program's limit is {limit} s");
             let last = run.order.steps.len().saturating_sub(1);
             findings.push(run.within(Rule::Requirement, last, took_ns, title).label(requirement.span, "this limit"));
         }

@@ -103,7 +103,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
     pub fn see(&mut self, poses: &[Option<RobotPlace>], step: usize, at_ns: u64, findings: &mut Findings) -> Seen {
         let Some(places) = poses.iter().copied().collect::<Option<Vec<RobotPlace>>>() else {
             let robot = poses.iter().position(Option::is_none).unwrap_or(0);
-            let title = format!("`{}` is not seen at {}, and the run goes on", self.run.name(robot), ms(at_ns));
+            let title = format!("`{}` is not seen at {}, but the run continues", self.run.name(robot), ms(at_ns));
             return Seen::SetAside(Box::new(self.run.within(Rule::Path, step, at_ns, title)));
         };
         let strayed = self.anchor.clone().and_then(|anchor| self.strayed(&anchor, &places, step, at_ns));
@@ -162,8 +162,8 @@ impl<'r, 'a> Tracked<'r, 'a> {
                 let [off, may] = [off_um, expected.off_um].map(shown);
                 let [turned, may_turn] = [off_rad, expected.off_rad.min(PI)].map(|rad| shown(rad.to_degrees()));
                 let title = format!(
-                    "`{name}` is measured at {at} {off} um and {turned} deg from where the commands bring it; \
-                     {may} um and {may_turn} deg are within the device's errors"
+                    "at {at}, `{name}` is measured {off} um and {turned} deg from where the commands bring it; \
+                     the device's errors allow {may} um and {may_turn} deg"
                 );
                 return Some(Box::new(self.run.within(Rule::Path, step, at_ns, title)));
             }
@@ -272,7 +272,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
                 if gap_um < -may_um {
                     let (one, two) = (self.run.name(other), self.run.name(robot));
                     let (deep, at) = (digits(-gap_um), ms(at_ns));
-                    let title = format!("`{one}` and `{two}` are measured {deep} um one in the other at {at}");
+                    let title = format!("`{one}` and `{two}` are measured with an overlap of {deep} um at {at}");
                     return Some(Box::new(self.run.within(Rule::Meet, step, at_ns, title)));
                 }
             }
@@ -282,7 +282,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
             let mut near = self.boxes.meeting(&Extent::of(&core).widened(ROUNDING_UM)).into_iter();
             if let Some(obstacle) = near.find(|obstacle| self.solids[*obstacle].gap_um(&core) <= 0.0) {
                 let (name, what) = (self.run.name(robot), &order.obstacles[obstacle]);
-                let title = format!("`{name}` is measured within `{}` at {}", what.name, ms(at_ns));
+                let title = format!("`{name}` is measured inside `{}` at {}", what.name, ms(at_ns));
                 let violation = self.run.within(Rule::Graze, step, at_ns, title);
                 return Some(Box::new(violation.label(what.span, "this obstacle")));
             }

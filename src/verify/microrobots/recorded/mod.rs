@@ -83,8 +83,8 @@ pub fn judge(
     tolerances: Tolerances,
 ) -> Result<RecordedRun, Vec<Violation>> {
     let unfit = |why: &str| Err(vec![Violation::new(Rule::Exchange, 0, format!("no recording can be judged: {why}"))]);
-    let [job] = claims.jobs.as_slice() else { return unfit("the program has not one run of one device") };
-    let Some(order) = MicrorobotsOrder::of(&job.order) else { return unfit("the task is not one of microrobots") };
+    let [job] = claims.jobs.as_slice() else { return unfit("the program must have exactly one run of one device") };
+    let Some(order) = MicrorobotsOrder::of(&job.order) else { return unfit("the task is not for microrobots") };
     let Some(errors) = order.facts.errors else { return unfit("the device does not state its errors") };
     if let Err(super::Unfit(why)) = claims::check_claims(order) {
         return unfit(&why);
@@ -135,17 +135,17 @@ fn mend(rule: Rule) -> &'static str {
     const MENDS: [(Rule, &str); 7] = [
         (
             Rule::Path,
-            "a measurement is wrong, or the robots have larger errors than the device declares: correct `errors`, or grant \
+            "a measurement is wrong, or the robots have larger errors than the device declares: correct `errors`, or allow \
              more with `--path-tolerance`",
         ),
-        (Rule::Goal, "grant more with `--goal-tolerance` and `--heading-tolerance`, or run the task again"),
-        (Rule::Dock, "grant more with `--goal-tolerance` and `--heading-tolerance`, or run the task again"),
+        (Rule::Goal, "allow more with `--goal-tolerance` and `--heading-tolerance`, or run the task again"),
+        (Rule::Dock, "allow more with `--goal-tolerance` and `--heading-tolerance`, or run the task again"),
         (Rule::GivenUp, "the recording has all measurements and commands up to then; run the task again"),
-        (Rule::Requirement, "raise the limit, or grant more with `--time-tolerance`"),
-        (Rule::Meet, "check the measurements: bodies cannot be one in the other"),
-        (Rule::Graze, "check the measurements: no body can be in an obstacle"),
+        (Rule::Requirement, "raise the limit, or allow more with `--time-tolerance`"),
+        (Rule::Meet, "check the measurements: two bodies cannot overlap"),
+        (Rule::Graze, "check the measurements: no body can be inside an obstacle"),
     ];
-    let edited = "`tweeze control` never records this: the recording was edited, or something else made it";
+    let edited = "`tweeze control` never records this: the recording was edited, or written by another program";
     MENDS.iter().find(|(of, _)| *of == rule).map_or(edited, |(_, mend)| mend)
 }
 
@@ -204,7 +204,7 @@ impl<'r, 'a> Walk<'r, 'a> {
                     pending = Some(measured);
                 }
                 (ControlLine::Measured(_), Some(before)) => {
-                    return Err(self.exchange(before.t_ns, "a measurement has no command".to_owned()));
+                    return Err(self.exchange(before.t_ns, "a measurement is not answered by a command".to_owned()));
                 }
                 (ControlLine::Command(command), measured) => {
                     self.commands += 1;
@@ -214,7 +214,7 @@ impl<'r, 'a> Walk<'r, 'a> {
             }
         }
         if let Some(MeasuredLine { t_ns, .. }) = pending {
-            return Err(self.exchange(*t_ns, "a measurement has no command".to_owned()));
+            return Err(self.exchange(*t_ns, "a measurement is not answered by a command".to_owned()));
         }
         self.end(last)
     }
@@ -244,7 +244,7 @@ impl<'r, 'a> Walk<'r, 'a> {
     ) -> Result<(), Halt> {
         let now_ns = measured.map_or(self.last_ns, |measured| measured.t_ns);
         if command.t_ns != now_ns.max(self.last_ns) {
-            return Err(self.exchange(now_ns, "a command has another time than its measurement".to_owned()));
+            return Err(self.exchange(now_ns, "the time of a command differs from that of its measurement".to_owned()));
         }
         let stops = command.command == CommandWord::Stop;
         let Some(measured) = measured else {
@@ -267,23 +267,25 @@ impl<'r, 'a> Walk<'r, 'a> {
         let latest_ns =
             until_ns.map(|until| until.max(self.last_ns).saturating_add(self.run.order.facts.watchdog_ns()));
         let must_stop = if now_ns < self.last_ns {
-            Some("the clock of the measurements goes back")
+            Some("the clock of the measurements runs backwards")
         } else if latest_ns.is_some_and(|latest_ns| now_ns > latest_ns) {
-            Some("a measurement comes after the watchdog's time")
+            Some("a measurement comes after the watchdog has expired")
         } else {
             None
         };
         if let Some(why) = must_stop {
-            return if stops { Ok(()) } else { Err(self.exchange(now_ns, format!("{why}, and the run goes on"))) };
+            return if stops { Ok(()) } else { Err(self.exchange(now_ns, format!("{why}, but the run continues"))) };
         }
         self.last_ns = now_ns;
         let is_early = until_ns.is_some_and(|until_ns| now_ns < until_ns);
         match (is_early, command.command) {
             (true, CommandWord::Continue) if command.until_ns == until_ns => return Ok(()),
             (true, CommandWord::Stop) => return Ok(()),
-            (true, _) => return Err(self.exchange(now_ns, "a command comes before the last one is over".to_owned())),
+            (true, _) => return Err(self.exchange(now_ns, "a command comes before the last one has ended".to_owned())),
             (false, CommandWord::Continue) => {
-                return Err(self.exchange(now_ns, "`continue` answers a measurement that was due".to_owned()));
+                return Err(
+                    self.exchange(now_ns, "`continue` is commanded when no command is being carried out".to_owned())
+                );
             }
             (false, _) => {}
         }
@@ -316,7 +318,7 @@ impl<'r, 'a> Walk<'r, 'a> {
     fn poses(&self, measured: &MeasuredLine) -> Result<Vec<Option<RobotPlace>>, Halt> {
         if let Some(unknown) = measured.robots.keys().find(|name| self.run.robot(name).is_none()) {
             let clean: String = unknown.chars().filter(|c| !c.is_control()).take(40).collect();
-            return Err(self.exchange(measured.t_ns, format!("`{clean}` is measured, no robot of the scene")));
+            return Err(self.exchange(measured.t_ns, format!("`{clean}` is measured, but is no robot of the scene")));
         }
         let place = |robot: usize| {
             let pose = measured.robots.get(self.run.name(robot))?.as_ref()?;
@@ -340,13 +342,11 @@ impl<'r, 'a> Walk<'r, 'a> {
         let is_over = command.command == CommandWord::Finished;
         let next = if is_over { self.run.order.steps.len() } else { command.step };
         if next < self.step {
-            return Err(self.exchange(command.t_ns, "a command is of a step that was over".to_owned()));
+            return Err(self.exchange(command.t_ns, "a command is for a step that had already ended".to_owned()));
         }
         for step in self.step..next {
             let Some(places) = places else {
-                return Err(
-                    self.exchange(command.t_ns, "a step ends without a measurement that can be used".to_owned())
-                );
+                return Err(self.exchange(command.t_ns, "a step ends without a usable measurement".to_owned()));
             };
             self.commanded.end_step(step, at_ns, findings);
             self.goals.end_step(step, at_ns, places, &self.commanded.docked, findings);

@@ -168,18 +168,18 @@ fn claims_that_no_program_has_are_inconclusive() {
     let twice =
         with(|claims| claims.timeline = Timeline::Sequence(vec![Timeline::Run(0), Timeline::Run(0), Timeline::Run(1)]));
     inconclusive(&schedule, &twice, "2 times");
-    inconclusive(&schedule, &with(|claims| claims.timeline = Timeline::Run(0)), "run job 1 0 times");
-    inconclusive(&schedule, &with(|claims| claims.timeline = Timeline::Run(7)), "job 7 of 2");
+    inconclusive(&schedule, &with(|claims| claims.timeline = Timeline::Run(0)), "runs job 1 0 times");
+    inconclusive(&schedule, &with(|claims| claims.timeline = Timeline::Run(7)), "runs job 7, but they have 2 jobs");
     let deep = with(|claims| {
         for _ in 0..300 {
             claims.timeline = Timeline::Sequence(vec![claims.timeline.clone()]);
         }
     });
     inconclusive(&schedule, &deep, "deeper than 256");
-    inconclusive(&schedule, &with(|claims| claims.jobs[1].device = "bot".into()), "two sets of facts");
+    inconclusive(&schedule, &with(|claims| claims.jobs[1].device = "bot".into()), "two different sets of facts");
     inconclusive(&schedule, &with(|claims| order_of(claims, 0).facts.left = 21), "too many");
-    inconclusive(&schedule, &with(|claims| order_of(claims, 0).facts.gain = f64::NAN), "out of its range");
-    inconclusive(&schedule, &with(|claims| order_of(claims, 0).facts.rest_ns = u64::MAX), "rest without end");
+    inconclusive(&schedule, &with(|claims| order_of(claims, 0).facts.gain = f64::NAN), "out of range");
+    inconclusive(&schedule, &with(|claims| order_of(claims, 0).facts.rest_ns = u64::MAX), "end of the clock");
     inconclusive(&schedule, &with(|claims| order_of(claims, 0).facts.home.x = 8), "does not have");
     let flat = with(|claims| {
         order_of(claims, 0).obstacles = vec![solid("bead", Shape::Disc { radius_um: -1.0 }, 0.0, 0.0)].into()

@@ -474,7 +474,7 @@ fn a_sweep_tells_gap_and_limit() {
     let mut claims = among((0, 0), (4, 0), obstacles);
     std::sync::Arc::make_mut(&mut order_of(&mut claims, 0).obstacles)[0].span = Span { end: 9, ..Span::default() };
     let Verdict::Rejected(found) = verify(schedule(&claims, &[&[&["bl2.set"]]]), &claims) else { panic!("it touches") };
-    let title = "`bl2.set` at 0 ms moves the tip from (0, 0) to (4, 0), with a gap of 0.05 um to `bead` and 1 more, more than 0.1 um is needed";
+    let title = "`bl2.set` at 0 ms moves the tip from (0, 0) to (4, 0), with a gap of 0.05 um to `bead` and 1 more; more than 0.1 um is needed";
     assert_eq!(found[0].title, title);
     assert_eq!(found[0].labels.len(), 1);
     assert_eq!((found[0].step, found[0].time_ns), (Some(0), 0));

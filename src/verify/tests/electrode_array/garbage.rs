@@ -155,26 +155,26 @@ fn claims_that_no_program_has_are_inconclusive() {
         ("no electrode", |order| order.facts.columns = 0),
         ("too many", |order| order.facts.rows = 1_001),
         ("not finite", |order| order.facts.radius_um = f64::NAN),
-        ("pulls nothing", |order| order.facts.potential_v = 0.0),
-        ("without length", |order| order.facts.step_ns = 0),
-        ("body out of its range", |order| order.facts.layout.half_width_pitches = -0.1),
+        ("potential that is not above 0", |order| order.facts.potential_v = 0.0),
+        ("step of zero duration", |order| order.facts.step_ns = 0),
+        ("body with a size out of range", |order| order.facts.layout.half_width_pitches = -0.1),
         ("map of another board", |order| {
             let map = ElectrodeMap { columns: 5, channels: vec![Some(1); 7], disabled: Vec::new() };
             order.facts.map = Some(Arc::new(map));
         }),
-        ("no clearance", |order| order.facts.clearance = 0),
-        ("separation out of its range", |order| order.facts.separation = Separation::Apart(0)),
-        ("separation out of its range", |order| order.facts.separation = Separation::Apart(1_001)),
-        ("two parts of one name", |order| Arc::make_mut(&mut order.parts)[1].name = "a".into()),
-        ("not on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = Some(cell(15, 5))),
-        ("not on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = Some(cell(0, 5))),
+        ("a clearance below 1", |order| order.facts.clearance = 0),
+        ("separation out of range", |order| order.facts.separation = Separation::Apart(0)),
+        ("separation out of range", |order| order.facts.separation = Separation::Apart(1_001)),
+        ("two parts with the same name", |order| Arc::make_mut(&mut order.parts)[1].name = "a".into()),
+        ("not all on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = Some(cell(15, 5))),
+        ("not all on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = Some(cell(0, 5))),
         ("too many parts", |order| {
             let part = order.parts[0].clone();
             let many = (0..=MAX_PARTS)
                 .map(|at| crate::claims::electrode_array::BoardPart { name: at.to_string(), ..part.clone() });
             order.parts = Arc::new(many.collect());
         }),
-        ("obstacle of no electrodes", |order| {
+        ("obstacle without electrodes", |order| {
             order.obstacles = Arc::new(vec![obstacle(
                 "dust",
                 ElectrodeArrayObstacleBody::Electrodes { from: cell(5, 5), to: cell(4, 9) },
@@ -185,15 +185,15 @@ fn claims_that_no_program_has_are_inconclusive() {
         ("does not have", |order| moves(order)[1].stops[0].cell = cell(15, 1)),
         ("twice", |order| moves(order)[0].with = Some(0)),
         ("twice", |order| moves(order)[1].part = 1),
-        ("no goal", |order| moves(order)[1].stops.clear()),
-        ("stops on their way", |order| moves(order)[0].stops = go(0, &[(4, 5), (5, 5)]).stops),
+        ("without a goal", |order| moves(order)[1].stops.clear()),
+        ("other stops", |order| moves(order)[0].stops = go(0, &[(4, 5), (5, 5)]).stops),
         ("more than go", |order| moves(order)[0].team = Some(0)),
         ("more than go", |order| moves(order)[1].team = Some(0)),
         ("one goal twice", |order| {
             moves(order)[0] = ElectrodeArrayMove { team: Some(0), ..go(0, &[(4, 5)]) };
             moves(order)[1] = ElectrodeArrayMove { team: Some(0), ..go(2, &[(4, 5)]) };
         }),
-        ("no droplets", |order| order.facts.layout.electrodes = Electrodes::Quad),
+        ("not droplets", |order| order.facts.layout.electrodes = Electrodes::Quad),
     ];
     each_unfit((&schedule, &claims), order_of, cases);
 }
@@ -203,7 +203,10 @@ fn the_parts_of_a_device_are_the_same_in_all_its_runs() {
     let task = |name| order(chip(9, 9), &[(name, 5, 5)], vec![ElectrodeArrayAction::Wait(5)]);
     let claims = in_turn(vec![task("a"), task("b")]);
     let schedule = schedule(&claims, &[&[&[]], &[&[]]]);
-    assert_eq!(why(&schedule, &claims).as_deref(), Some("the claims hold two sets of parts on the device `board`"));
+    assert_eq!(
+        why(&schedule, &claims).as_deref(),
+        Some("the claims have two different sets of parts on the device `board`")
+    );
 }
 
 /// The largest size that the planner is designed for: 400 parts, 400 by 400 electrodes, 300 steps of the board.

@@ -139,13 +139,13 @@ fn messages_name_cells_parts_times_and_limits() {
         found[0].title.clone()
     };
     let stray = reported(|s| switch_on(s, 13, 13, 0, 1, 1));
-    assert_eq!(stray, "electrodes (13, 13) at 2.2 ms carry `c` from (15, 15) to no neighbour");
+    assert_eq!(stray, "electrodes (13, 13) at 2.2 ms pull `c` from (15, 15) in no single direction");
     let late = reported(|s| switch_on(s, 8, 7, 0, 0, 1));
-    assert_eq!(late, "electrode (8, 7) pulls `a` at (6, 5) too, at 0 ms");
+    assert_eq!(late, "electrode (8, 7) also pulls `a` at (6, 5), at 0 ms");
     let unused = reported(|s| switch_on(s, 12, 15, 0, 2, 1));
-    assert_eq!(unused, "electrode (12, 15) is on at 4.4 ms and pulls no part");
+    assert_eq!(unused, "electrode (12, 15) is on at 4.4 ms but pulls no part");
     let weak = reported(|s| s.actuations[0].to = 50.0);
-    assert_eq!(weak, "electrode (4, 14) goes from 100 V to 50 V at 0 ms, 100 V is needed");
+    assert_eq!(weak, "electrode (4, 14) goes from 100 V to 50 V at 0 ms; 100 V is needed");
 }
 
 /// A schedule of a single step, with one word for each part.

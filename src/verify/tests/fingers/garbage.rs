@@ -138,36 +138,38 @@ fn part_of(order: &mut FingersOrder) -> &mut crate::claims::fingers::HandPart {
 
 /// Claims that no program has, with part of the reason.
 const UNFIT: &[UnfitOrder<FingersOrder>] = &[
-    ("too few fingers", |order| facts_of(order).fingers = 2),
-    ("too few fingers", |order| facts_of(order).fingers = 7),
-    ("no step of rotation", |order| facts_of(order).steps_per_turn = 0),
-    ("no step of rotation", |order| facts_of(order).steps_per_turn = 361),
+    ("too few or too many fingers", |order| facts_of(order).fingers = 2),
+    ("too few or too many fingers", |order| facts_of(order).fingers = 7),
+    ("steps per turn", |order| facts_of(order).steps_per_turn = 0),
+    ("steps per turn", |order| facts_of(order).steps_per_turn = 361),
     ("not above 0", |order| facts_of(order).tip_radius_um = 0.0),
     ("not above 0", |order| facts_of(order).tolerance_um = f64::NAN),
     ("not above 0", |order| facts_of(order).range_um[2] = -1.0),
     ("not above 0", |order| facts_of(order).friction = f64::INFINITY),
-    ("out of its range", |order| facts_of(order).removal_safety = -1.0),
-    ("out of its range", |order| facts_of(order).support_un = f64::NAN),
-    ("out of its range", |order| facts_of(order).torsion_um = -0.1),
-    ("out of its range", |order| facts_of(order).rolling_reserve = 1.0),
+    ("out of range", |order| facts_of(order).removal_safety = -1.0),
+    ("out of range", |order| facts_of(order).support_un = f64::NAN),
+    ("out of range", |order| facts_of(order).torsion_um = -0.1),
+    ("out of range", |order| facts_of(order).rolling_reserve = 1.0),
     ("a place or a load", |order| order.load_un[1] = f64::NAN),
     ("a place or a load", |order| part_of(order).position_um[1] = 1e10),
-    ("no precision", |order| order.precision_rad = -0.1),
-    ("too few contacts", |order| part_of(order).xy.contacts = 2),
-    ("too few contacts", |order| part_of(order).xz = Some(Section { contacts: 513, ..order.part.xy.clone() })),
-    ("no step from one", |order| part_of(order).xy.step_rad = 0.0),
-    ("once round", |order| part_of(order).xy.step_rad *= 1.000_01),
-    ("once round", |order| facts_of(order).tip_radius_um = 4.6),
+    ("a precision", |order| order.precision_rad = -0.1),
+    ("too few or too many contacts", |order| part_of(order).xy.contacts = 2),
+    ("too few or too many contacts", |order| {
+        part_of(order).xz = Some(Section { contacts: 513, ..order.part.xy.clone() })
+    }),
+    ("a step between contacts", |order| part_of(order).xy.step_rad = 0.0),
+    ("one turn round", |order| part_of(order).xy.step_rad *= 1.000_01),
+    ("one turn round", |order| facts_of(order).tip_radius_um = 4.6),
     ("cannot be followed", |order| {
         part_of(order).xy.outline = Outline::Spline { points_um: vec![[1.0, 0.0]] };
     }),
     ("the device's step apart", |order| facts_of(order).steps_per_turn = 20),
-    ("that is none", |order| part_of(order).xy.opposite = Some(75)),
+    ("an opposite contact that does not exist", |order| part_of(order).xy.opposite = Some(75)),
     ("off the x axis", |order| part_of(order).xy.opposite = Some(37)),
-    ("fingers that they do not have", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 38]))),
-    ("with too few fingers", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 0, 0]))),
-    ("a contact that is none", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 75, 0]))),
-    ("not an angle", |order| {
+    ("another number of fingers", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 38]))),
+    ("with too few or too many fingers", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 0, 0]))),
+    ("at a contact that does not exist", |order| order.steps[0].action = FingersAction::Grasp(Some(vec![1, 75, 0]))),
+    ("an angle out of range", |order| {
         order.steps[1].action = FingersAction::Rotate { plane: Plane::Xy, steps: 1, angle_rad: f64::NAN };
     }),
     ("no outline", |order| {
@@ -178,7 +180,7 @@ const UNFIT: &[UnfitOrder<FingersOrder>] = &[
         order.steps[1].action =
             FingersAction::Orient { goal: [0.5; 4].map(|x| x * 1.1), turns: vec![], left_out_steps: None }
     }),
-    ("out of reach", |order| order.steps[1].action = FingersAction::Translate([f64::INFINITY, 0.0, 0.0])),
+    ("a distance out of range", |order| order.steps[1].action = FingersAction::Translate([f64::INFINITY, 0.0, 0.0])),
 ];
 
 #[test]
@@ -199,6 +201,12 @@ fn a_hand_has_one_set_of_facts_and_one_part() {
         edit(order_of(&mut claims, 1));
         assert_eq!(why(&schedule, &claims).as_deref(), Some(expected));
     };
-    because(|order| facts_of(order).friction = 0.4, "the claims hold two sets of facts about the device `hand`");
-    because(|order| part_of(order).position_um[0] = 0.0, "the claims hold two sets of parts on the device `hand`");
+    because(
+        |order| facts_of(order).friction = 0.4,
+        "the claims have two different sets of facts about the device `hand`",
+    );
+    because(
+        |order| part_of(order).position_um[0] = 0.0,
+        "the claims have two different sets of parts on the device `hand`",
+    );
 }

@@ -148,40 +148,40 @@ fn claims_that_no_program_has_are_inconclusive() {
             let row = facts(order).robots[0].clone();
             facts(order).robots.resize(MAX_ROBOTS + 1, row);
         }),
-        ("two robots of one name", |order| facts(order).robots[1].name = "D1".into()),
-        ("a voltage out of its range", |order| facts(order).margin_v = f64::NAN),
-        ("a voltage out of its range", |order| facts(order).margin_v = -1.0),
-        ("more than the source gives", |order| facts(order).max_v = 99.0),
-        ("without two halves", |order| facts(order).period_ns = 0),
-        ("without two halves", |order| facts(order).period_ns = 3),
+        ("two robots with the same name", |order| facts(order).robots[1].name = "D1".into()),
+        ("a voltage out of range", |order| facts(order).margin_v = f64::NAN),
+        ("a voltage out of range", |order| facts(order).margin_v = -1.0),
+        ("than the source gives", |order| facts(order).max_v = 99.0),
+        ("zero or odd", |order| facts(order).period_ns = 0),
+        ("zero or odd", |order| facts(order).period_ns = 3),
         ("dwell time of 0", |order| facts(order).dwell_ns = 0),
-        ("a length out of its range", |order| facts(order).clearance_um = -1.0),
-        ("a length out of its range", |order| facts(order).docking.tolerance_um = f64::INFINITY),
-        ("a length out of its range", |order| facts(order).fine.length_um = f64::NAN),
+        ("a length out of range", |order| facts(order).clearance_um = -1.0),
+        ("a length out of range", |order| facts(order).docking.tolerance_um = f64::INFINITY),
+        ("a length out of range", |order| facts(order).fine.length_um = f64::NAN),
         ("never releases", |order| facts(order).robots[2].release_v = 130.0),
-        ("a robot out of its range", |order| facts(order).robots[2].turning_radius_um = 0.0),
-        ("a robot out of its range", |order| facts(order).robots[2].step_um = 1e7),
+        ("a robot with a size out of range", |order| facts(order).robots[2].turning_radius_um = 0.0),
+        ("a robot with a size out of range", |order| facts(order).robots[2].step_um = 1e7),
         ("of another table", |order| Arc::make_mut(&mut order.states)[1].arms.truncate(3)),
         ("a control state twice", |order| {
             let states = Arc::make_mut(&mut order.states);
             states[1].arms = states[2].arms.clone();
         }),
-        ("no levels", |order| Arc::make_mut(&mut order.states)[1].levels_v.clear()),
+        ("without levels", |order| Arc::make_mut(&mut order.states)[1].levels_v.clear()),
         ("not finite", |order| Arc::make_mut(&mut order.states)[1].levels_v[0] = f64::NAN),
         ("with all arms up", |order| drop(Arc::make_mut(&mut order.states).remove(0))),
-        ("out of the order of their table", |order| Arc::make_mut(&mut order.robots).swap(0, 1)),
-        ("the table does not have", |order| Arc::make_mut(&mut order.robots)[2].row = 4),
-        ("a robot out of the plane", |order| Arc::make_mut(&mut order.robots)[2].pose.y_um = f64::NAN),
-        ("no shape", |order| {
+        ("another order than their table", |order| Arc::make_mut(&mut order.robots).swap(0, 1)),
+        ("not in the table", |order| Arc::make_mut(&mut order.robots)[2].row = 4),
+        ("a robot out of range", |order| Arc::make_mut(&mut order.robots)[2].pose.y_um = f64::NAN),
+        ("without a shape", |order| {
             Arc::make_mut(&mut order.obstacles)[0].shape = Shape::Disc { radius_um: -1.0 };
         }),
-        ("no precision", |order| order.precision.place_um = f64::NAN),
+        ("a precision", |order| order.precision.place_um = f64::NAN),
         ("apply a state", |order| order.steps[3].action = MicrorobotsAction::Apply { state: 5, duration_ns: 1 }),
         ("drive a robot that", |order| {
             order.steps[2].action = MicrorobotsAction::Drive { robot: 3, stops: vec![stop(pose(0.0, 0.0, 0.0))] };
         }),
-        ("to no goal", |order| order.steps[2].action = MicrorobotsAction::Drive { robot: 2, stops: vec![] }),
-        ("a goal out of the plane", |order| {
+        ("without a goal", |order| order.steps[2].action = MicrorobotsAction::Drive { robot: 2, stops: vec![] }),
+        ("a goal out of range", |order| {
             order.steps[2].action = MicrorobotsAction::Drive { robot: 2, stops: vec![stop(pose(1e7, 0.0, 0.0))] };
         }),
         ("assemble no robot", |order| order.steps[0].action = MicrorobotsAction::Assemble(vec![])),
@@ -208,9 +208,9 @@ fn a_bed_has_one_table_and_one_set_of_robots() {
     };
     let mut faster = start();
     Arc::make_mut(&mut faster.facts).robots[0].step_um = 0.6;
-    because(faster, "the claims hold two sets of facts about the device `fleet`");
+    because(faster, "the claims have two different sets of facts about the device `fleet`");
     let other = Day::new(order(&[(1, 0.0, 0.0, 0.0)])).apply(0, 10).order;
-    because(other, "the claims hold two sets of parts on the device `fleet`");
+    because(other, "the claims have two different sets of parts on the device `fleet`");
 }
 
 /// As large as plans get: 500 legs, four robots, and 50 obstacles around them.

@@ -336,12 +336,12 @@ fn messages_name_robots_voltages_times_and_limits() {
         reported(|s| level(s, 2, [250.0; 2])),
         "actuation 2 on `fleet.bed` swings between 100 V and 60 V, but is recorded as going from 250 V to 250 V"
     );
-    assert_eq!(reported(|s| level(s, 0, [250.0; 2])), "the bed is at 250 V at 0 ms, the source gives 0 V to 200 V");
+    assert_eq!(reported(|s| level(s, 0, [250.0; 2])), "the bed is at 250 V at 0 ms; the source gives 0 V to 200 V");
     assert_eq!(reported(|s| level(s, 0, [60.0; 2])), "the arm of `D3` may be up or down when strokes begin at 10 ms");
     let fast = reported(|s| swings(s, 0, PERIOD / 2, [100.0, 60.0]));
     assert_eq!(
         fast,
-        "the bed swings between 100 V and 60 V every 0.05 ms at 10 ms, 100 V and 60 V every 0.1 ms is needed"
+        "the bed swings between 100 V and 60 V every 0.05 ms at 10 ms; 100 V and 60 V every 0.1 ms is needed"
     );
     let far = reported(|s| with_pose(s, 0, [1.0, 0.0]));
     assert!(far.ends_with("but starts at control state 2 with `D1` at (0 um, 0 um, 90 deg), `D2` at (1000 um, 0 um, 0 deg), `D4` at (2500 um, 500 um, 0 deg)"), "{far}");
