@@ -82,7 +82,7 @@ fn rows(table: &str) -> Vec<Vec<u32>> {
 
 #[test]
 fn table_one_is_a_way_of_thirty_that_the_robot_can_go() {
-    let table: Vec<(u32, u32)> = include_str!("data/dimibot_table1.csv")
+    let table: Vec<(u32, u32)> = include_str!("../data/dimibot_table1.csv")
         .lines()
         .filter(|line| line.starts_with(['0', '1']))
         .map(|line| line.split_once(',').expect("two columns"))
@@ -110,7 +110,7 @@ fn edge_weight(from: u32, to: u32, obstacles: &[u32]) -> u32 {
 
 #[test]
 fn table_two_is_the_graph_but_for_the_misprint_in_row_thirteen() {
-    let printed = rows(include_str!("data/dimibot_table2.csv"));
+    let printed = rows(include_str!("../data/dimibot_table2.csv"));
     assert_eq!(printed.len(), 16);
     for (from, printed) in printed.iter().enumerate() {
         let graph: Vec<u32> = (0..16).map(|to| edge_weight(from as u32, to, &[])).collect();
