@@ -320,8 +320,8 @@ pub fn too_few_steps(limit_span: Span, limit: u64, least: u64) -> Diagnostic {
 pub fn more_allowed(budget: u64, planner: &str) -> String {
     let most = u64::from(MAX_EXPANSIONS);
     if budget >= most {
-        return "no larger budget is allowed: choose a route through other places with `via`, or leave out obstacles that are \
-                far away"
+        return "no larger budget is allowed: choose a route through other places with `via`, or leave out obstacles that \
+                are far away"
             .to_owned();
     }
     format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8).min(most))
