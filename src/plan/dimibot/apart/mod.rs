@@ -75,11 +75,11 @@ fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnosti
         TryReason::Met => format!("at {at_ms} ms it meets `{with}`"),
         TryReason::EndTogether => format!("at {at_ms} ms it meets `{with}`, and it ends where `{with}` then stands"),
         TryReason::Missed => {
-            format!("at {at_ms} ms it meets `{with}`; every wait or detour tried violates a requirement")
+            format!("it starts at {at_ms} ms; no wait or detour was found that keeps its requirements")
         }
         TryReason::NoWay => format!("no path was found from the cell where `{device}` then stands"),
         TryReason::Spent => {
-            format!("at {at_ms} ms it meets `{with}`; the search ended after {COMPARISONS} comparisons")
+            format!("it starts at {at_ms} ms; the search ended after {COMPARISONS} comparisons")
         }
     };
     let help = match failure.reason {
