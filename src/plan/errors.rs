@@ -94,7 +94,8 @@ fn removal_help(blamed: &[(&str, Span)], removal: Removal) -> Option<String> {
         }
         (Removal::Opens, _) => Some(format!("there is a path without {names}, the smallest set found")),
         (Removal::Unknown, _) => Some(format!(
-            "the way is blocked by {names}; other obstacles may block it too, the search for the smallest set has run out of steps"
+            "the way is blocked by {names}; other obstacles may block it too, since the search for the smallest set \
+             ran out of steps"
         )),
     }
 }
@@ -106,20 +107,22 @@ pub fn gave_up(step: Span, to: &str, what: &str, budget: u64, bound: &str, plann
 }
 
 fn undecided(to: &str, bound: &str) -> String {
-    format!("the way to {to} is neither found nor disproved; none costs less than {bound}")
+    format!("a path to {to} was neither found nor proven impossible; none costs less than {bound}")
 }
 
 /// Report of an assay whose search ended without a plan and with budget left. `avoids`: the task keeps the traces of
 /// droplets apart, and so has a single assay.
 pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, avoids: bool) -> Diagnostic {
     let help = if avoids {
-        "give droplets that must not touch each other's traces ways of their own, or send a wash over what they both cross, with `after` what soils it"
+        "give droplets that must not touch each other's traces separate paths, or send a wash over the cells that both \
+         cross, `after` the operation that soils them"
     } else {
-        "move parts away from places that others need, with `move PART to CELL`, or write the operations into several `assay` steps"
+        "move parts away from places that others need, with `move PART to CELL`, or split the operations into several \
+         `assay` steps"
     };
     Diagnostic::new(Code::E0602, "the search found no plan and has nothing left to try")
         .label(step, undecided(to, &count(bound, "step")))
-        .help(format!("a larger budget hardly helps: {help}"))
+        .help(format!("a larger budget is unlikely to help: {help}"))
 }
 
 /// Report of a greedy planner that gave up; its failure proves nothing. `first` begins the help: what Tweeze's own
@@ -127,8 +130,8 @@ pub fn nothing_left_to_try(step: Span, to: &str, bound: u64, avoids: bool) -> Di
 pub fn greedy_gave_up(asked: Span, part: &str, at: &str, steps: usize, how: &str, first: &str) -> Diagnostic {
     let steps = count(steps, "step");
     Diagnostic::new(Code::E0602, format!("the greedy planner leaves `{part}` {how} at {at} after {steps}"))
-        .label(asked, "neither planned nor disproved")
-        .help(format!("{first}leave `using` out: Tweeze's own planner searches all plans as far as its budget goes"))
+        .label(asked, "neither planned nor proven impossible")
+        .help(format!("{first}leave `using` out: Tweeze's own planner searches all plans within its budget"))
 }
 
 fn all_of(names: &[&str]) -> String {
@@ -140,16 +143,16 @@ fn all_of(names: &[&str]) -> String {
 
 /// Report of a part whose own ways and stays take longer than the time within which it must do its next operation.
 pub fn too_far_in_time(step: Span, part: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0601, format!("no plan: ways and stays of `{part}` take longer than `within` allows"))
-        .label(step, "even if no other part were there")
-        .help("allow more time, choose places that are nearer to each other, or shorten what it does between")
+    Diagnostic::new(Code::E0601, format!("no plan: the paths and stays of `{part}` take longer than `within` allows"))
+        .label(step, "this takes too long even with no other part on the board")
+        .help("allow more time, choose places that are closer together, or shorten the operations in between")
 }
 
 /// Report of a part whose mixing loop leaves the board.
 pub fn loop_off_board(step: Span, part: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0601, format!("no plan: the loop in which `{part}` is to be mixed leaves the board"))
-        .label(step, "from where the part is by then")
-        .help("name the cell from which it is mixed: `mix PART at (5, 3) for 3 s`")
+    Diagnostic::new(Code::E0601, format!("no plan: the mixing loop of `{part}` leaves the board"))
+        .label(step, "the loop begins where the part then stands")
+        .help("name the cell where mixing begins: `mix PART at (5, 3) for 3 s`")
 }
 
 /// Extends the reason why the first of `count` choices of places has no plan: none of the others has one either.
@@ -157,7 +160,7 @@ pub fn of_first_arrangement(diagnostic: Diagnostic, count: usize) -> Diagnostic 
     if count == 1 {
         return diagnostic;
     }
-    let all = format!("of the {count} choices of places none has a plan, and this is why the first has none");
+    let all = format!("none of the {count} choices of places has a plan; this is the reason for the first");
     let help = diagnostic.help.as_ref().map_or(all.clone(), |own| format!("{own}; {all}"));
     diagnostic.help(help)
 }
@@ -167,14 +170,14 @@ pub fn of_first_arrangement(diagnostic: Diagnostic, count: usize) -> Diagnostic 
 pub fn operations_exclude_one_another(step: Span, parts: &[&str], is_timed: bool) -> Diagnostic {
     let all = all_of(parts);
     let title = match (is_timed, parts) {
-        (true, _) => format!("no plan: {all} cannot do these operations in time, in whatever order"),
-        (false, [_]) => format!("no plan: {all} cannot do these operations, in whatever order"),
-        (false, _) => format!("no plan: {all} keep one another from these operations, in every order"),
+        (true, _) => format!("no plan: {all} cannot do these operations in time in any order"),
+        (false, [_]) => format!("no plan: {all} cannot do these operations in any order"),
+        (false, _) => format!("no plan: {all} keep one another from these operations in every order"),
     };
-    let help = "`discard` a part that is done, let one wait for another by an assay or a `move` of its own before this one, \
-                or give goals more room";
-    let timed = "allow more time, or let what comes first take place elsewhere: where a part already is, it begins at once, and is not \
-                 held back for a `within`";
+    let help = "`discard` a part that is done, do some of the operations in an assay or a `move` of their own before \
+                this one, or give goals more room";
+    let timed = "allow more time, or let the earlier operation take place elsewhere: where the part already stands, it \
+                 begins at once and is not delayed for a `within`";
     let searched = "all positions of all parts together were searched";
     Diagnostic::new(Code::E0601, title).label(step, searched).help(if is_timed { timed } else { help })
 }
@@ -202,13 +205,12 @@ pub fn blocked_by_one_another(step: Span, parts: &[(&str, Span)], merge: Option<
     let says = |name: &str| format!("`{name}` is in the way of {others}");
     let diagnostic = labelled(Diagnostic::new(Code::E0601, title), step, parts, says);
     match merge {
-        Some(merge) => diagnostic.label(merge, "each of the two stays here from its first arrival on").help(
-            "there is no room for them to pass as long as those that merge keep their place, as they do in a step: write it as \
-             `assay { … }`, in which they may leave it again",
+        Some(merge) => diagnostic.label(merge, "once it arrives, each of the two stays here").help(
+            "there is no room for them to pass while parts that merge must stay in place, as in this step: write it as \
+             `assay { … }`, in which they may leave again",
         ),
-        None => diagnostic.help(
-            "give one of them a goal on its own side, or move an obstacle: there is no room for them to pass",
-        ),
+        None => diagnostic
+            .help("give one of them a goal on its own side, or move an obstacle: there is no room for them to pass"),
     }
 }
 
@@ -229,30 +231,30 @@ pub fn torn_by_channels(ends: StepEnds, part: &str) -> Diagnostic {
     let StepEnds { step, from, to } = ends;
     Diagnostic::new(
         Code::E0601,
-        format!("no plan leads from {from} to {to}: shared channels let `{part}` through on no way"),
+        format!("no plan leads from {from} to {to}: shared channels block every path of `{part}`"),
     )
-    .label(step, format!("with the electrode of a next cell others are on that pull `{part}`, or a part that stays"))
-    .help("give electrodes on the way channels of their own, or other numbers in `channels`")
+    .label(step, format!("the electrode of the next cell switches on others, which pull `{part}` or a part that stays"))
+    .help("give electrodes along the path channels of their own, or other numbers in `channels`")
 }
 
 /// Report of parts that could pass one another if each electrode had a channel of its own.
 pub fn excluded_by_channels(step: Span, parts: &[(&str, Span)]) -> Diagnostic {
     let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
-    let title = format!("no plan: shared channels do not let {} come to their goals", all_of(&names));
+    let title = format!("no plan: shared channels keep {} from their goals", all_of(&names));
     let title = if parts.len() == 1 { title.replace("their goals", "its goal") } else { title };
-    let says = |name: &str| format!("what moves or holds `{name}` pulls others");
+    let says = |name: &str| format!("the channel that moves or holds `{name}` also pulls others");
     labelled(Diagnostic::new(Code::E0601, title), step, parts, says).help(UNSHARED)
 }
 
 /// Report of parts that could do their operations if each electrode had a channel of its own.
 pub fn operations_excluded_by_channels(step: Span, parts: &[&str]) -> Diagnostic {
-    let title = format!("no plan: shared channels do not let {} do these operations", all_of(parts));
+    let title = format!("no plan: shared channels keep {} from these operations", all_of(parts));
     Diagnostic::new(Code::E0601, title).label(step, "all positions of all parts together were searched").help(UNSHARED)
 }
 
 /// Help where the same goals have a plan with a channel for each electrode.
-const UNSHARED: &str =
-    "with a channel for each electrode they would: give some electrodes channels of their own, or parts other goals";
+const UNSHARED: &str = "with a channel for each electrode they have a plan: give some electrodes channels of their \
+                        own, or parts other goals";
 
 /// Report of parts, each with its name and cell, that electrodes on shared channels pull away from where they should be
 /// held.
@@ -263,38 +265,39 @@ pub fn restless_by_channels(step: Span, [one, other]: [(&str, String); 2]) -> Di
         false => (format!("no plan: {} and {} cannot be held together", held(&one), held(&other)), "one of them"),
     };
     Diagnostic::new(Code::E0601, title)
-        .label(step, format!("an electrode on a shared channel is on beside {whom} meanwhile"))
+        .label(step, format!("meanwhile a shared channel switches on an electrode beside {whom}"))
         .help("leave out the wait, or begin it with the parts on electrodes of other channels")
 }
 
 /// Report of a plan that breaks the rule of shared channels, from a planner that ignores it.
 pub fn heedless_of_channels(step: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0602, "the greedy planner has no regard to shared channels, and its plan breaks their rule")
-        .label(step, "neither planned nor disproved")
-        .help("leave `using` out: Tweeze's own planner moves parts as the channels allow")
+    Diagnostic::new(Code::E0602, "the greedy planner ignores shared channels, and its plan conflicts with them")
+        .label(step, "neither planned nor proven impossible")
+        .help("leave `using` out: Tweeze's own planner moves parts only as shared channels allow")
 }
 
 /// Report of a step whose proof depends on where an earlier step has brought parts with interchangeable goals.
 pub fn not_from_here(step: Span, tried: usize) -> Diagnostic {
     let others = match tried {
-        0 => "others were not tried".to_owned(),
-        _ => format!("none of the {tried} that were tried leads to a plan"),
+        0 => "other choices were not tried".to_owned(),
+        _ => format!("no plan was found with the {} tried", count(tried, "choice")),
     };
-    Diagnostic::new(Code::E0602, "no plan was found for this step from where the plan has brought the parts before")
-        .label(step, format!("who stands where before it is the plan's choice; {others}"))
-        .help("send the parts that this step moves to goals of their own before, instead of with `any` or `among`")
+    Diagnostic::new(Code::E0602, "no plan was found for this step from the cells where the plan has put the parts")
+        .label(step, format!("the plan chooses where each part stands before this step; {others}"))
+        .help("before this step, give the parts that it moves goals of their own instead of `any` or `among`")
 }
 
 /// Report of goals of `any` that lie where fewer parts can come than there are goals.
 pub fn goals_out_of_reach(step: Span, name: &str, [goals, parts]: [usize; 2], goal: &str) -> Diagnostic {
-    let (few, verb) = (if parts == 1 { "part" } else { "parts" }, if goals == 1 { "lies" } else { "lie" });
-    let (all, beside) = if goals == 1 { ("goal", String::new()) } else { ("goals", format!(", {goal} among them")) };
     let title = match parts {
-        0 => format!("no plan: no part of `any {name}` can come to its goal {goal}"),
-        _ => format!("no plan: {goals} {all} of `any {name}` {verb} where only {parts} of its {few} can come{beside}"),
+        0 => format!("no plan: no part of `any {name}` can reach its goal {goal}"),
+        // There are more such goals than parts, hence several.
+        _ => format!(
+            "no plan: {goals} goals of `any {name}`, {goal} among them, can be reached by only {parts} of its parts"
+        ),
     };
     Diagnostic::new(Code::E0601, title)
-        .label(step, "obstacles, or parts that stay, lie between")
+        .label(step, "obstacles or parts that stay lie between")
         .help("move a goal to the side of the parts, or move an obstacle")
 }
 
@@ -303,7 +306,7 @@ pub fn blocked_with_any_goals(step: Span, parts: &[&str]) -> Diagnostic {
     let title = format!("no plan: {} cannot pass one another, whichever goals they take", all_of(parts));
     Diagnostic::new(Code::E0601, title)
         .label(step, "every choice of goals was searched")
-        .help("give them goals with more room, or send some of them in a step of its own before")
+        .help("give them goals with more room, or move some of them in an earlier step of its own")
 }
 
 pub fn too_few_steps(limit_span: Span, limit: u64, least: u64) -> Diagnostic {
@@ -317,7 +320,8 @@ pub fn too_few_steps(limit_span: Span, limit: u64, least: u64) -> Diagnostic {
 pub fn more_allowed(budget: u64, planner: &str) -> String {
     let most = u64::from(MAX_EXPANSIONS);
     if budget >= most {
-        return "no more can be allowed: go by way of other places with `via`, or leave obstacles out that are far off"
+        return "no larger budget is allowed: choose a route through other places with `via`, or leave out obstacles that \
+                are far away"
             .to_owned();
     }
     format!("allow more: `using {planner} {{ expansions: {} }}`", budget.saturating_mul(8).min(most))
@@ -348,7 +352,7 @@ pub fn requirement_missed(
     let (title, label, help) = match verdict {
         LimitVerdict::Least(_) => (
             format!("no plan keeps `{name}` {within} {limit}{others}"),
-            format!("proven: the least is {value}{with_others}"),
+            format!("proven: the minimum is {value}{with_others}"),
             Some(format!("raise the limit {raise} {value}")),
         ),
         LimitVerdict::AtLeast(_, best) => (
@@ -379,7 +383,7 @@ fn not_proven(relation: Relation) -> String {
     match relation {
         Relation::Less | Relation::AtMost => "it is not known whether there is one",
         Relation::Equal | Relation::AtLeast | Relation::More => {
-            "plans are searched for limits from above; this one was only held against the plan that was found"
+            "only upper limits guide the search; this limit was merely checked against the plan found"
         }
     }
     .to_owned()
@@ -402,10 +406,10 @@ pub fn not_apart([device, with]: [&str; 2], run: Span, why: &str, other: Option<
         None => diagnostic,
     };
     diagnostic.help(match mend {
-        Apart::OtherEnds => format!("end the run of `{device}` elsewhere, or let `{with}` move on before"),
+        Apart::OtherEnds => format!("end the run of `{device}` elsewhere, or move `{with}` on first"),
         Apart::OtherTimes => {
-            "this is no proof that there are none; it may help to let one run follow the other instead of \
-                              `together`, or to go by way of other places with `via`"
+            "this does not prove that there are none; it may help to run one after the other instead of `together`, or \
+             to route one through other places with `via`"
                 .to_owned()
         }
     })

@@ -131,7 +131,7 @@ fn judge(
 /// Whether a report names the least value, and that value is correct: a limit there can be kept, and no lower one.
 fn advice_holds(scene: &Scene, front: &[Figures], limits: &[Limit], reported: &Diagnostic, text: &str) -> bool {
     let label = &reported.labels[0];
-    let Some(value) = label.text.strip_prefix("proven: the least is ") else { return false };
+    let Some(value) = label.text.strip_prefix("proven: the minimum is ") else { return false };
     let value = value.strip_suffix(" with the other limits").unwrap_or(value);
     let line = text[label.span.start as usize..].split_whitespace().next().expect("a limit begins with an outcome");
     let outcome = OUTCOMES.iter().position(|name| *name == line).expect("the label stands at an outcome");

@@ -193,7 +193,7 @@ fn a_droplet_leaves_where_it_merges_and_comes_back() {
     let names = ["ea_merges_where_it_stands", "ea_merges_beside_the_outlet", "ea_aside_for_a_stop"];
     assert_eq!(names.map(cost), [8.0, 5.0, 10.0]);
     let as_a_step = refused(&found("ea_aside_for_a_stop").replace("assay", "together"));
-    assert!(as_a_step.contains("in which they may leave it again"), "{as_a_step}");
+    assert!(as_a_step.contains("in which they may leave again"), "{as_a_step}");
 }
 
 #[test]
@@ -374,7 +374,7 @@ fn only_the_first_step_that_no_choice_leads_on_from_is_reported() {
          move any m to [(1, 1), (3, 1)]\nmove m[0] to (5, 1)\nmove any m to [(1, 1), (3, 1)]\n}\n",
     );
     assert_eq!(errors.lines().filter(|line| line.starts_with("E0")).count(), 1, "{errors}");
-    assert!(errors.starts_with("E0602") && errors.contains("where the plan has brought the parts"), "{errors}");
+    assert!(errors.starts_with("E0602") && errors.contains("where the plan has put the parts"), "{errors}");
 }
 
 #[test]

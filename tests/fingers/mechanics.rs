@@ -252,7 +252,7 @@ fn a_limit_of_reconfigurations_is_searched_for() {
                  task flip on hand in cell {\n  require reconfigurations <= 6\n  rotate bead by 80 deg about z\n  \
                  rotate bead by 220 deg about y\n  rotate bead by 100 deg about z\n}\n";
     let fewest = reported(paper);
-    assert!(fewest.len() == 1 && fewest[0].contains("E0603") && fewest[0].contains("the least is 8"), "{fewest:?}");
+    assert!(fewest.len() == 1 && fewest[0].contains("E0603") && fewest[0].contains("the minimum is 8"), "{fewest:?}");
 }
 
 #[test]

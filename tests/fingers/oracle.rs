@@ -286,7 +286,7 @@ fn time_bound_s(text: &str) -> f64 {
 fn least_is_said(case: &Case, limit: &str) {
     let reported = reported(limit);
     let fewest = |slack: f64| Brute::of(case, slack).fewest();
-    let said_least = |fewest: u32| reported[0].contains(&format!("proven: the least is {fewest}"));
+    let said_least = |fewest: u32| reported[0].contains(&format!("proven: the minimum is {fewest}"));
     let is_so = [0.0, SLACK, -SLACK].into_iter().filter_map(fewest).any(said_least);
     assert!(reported.len() == 1 && reported[0].contains("E0603") && is_so, "{reported:?}\n{limit}");
 }

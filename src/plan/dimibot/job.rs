@@ -427,13 +427,15 @@ impl<'a> DimibotTaskSearch<'a> {
 fn proof_text(proof: Proof) -> String {
     match proof {
         Proof::StartOutside | Proof::GoalOutside => "not a cell of the lattice".to_owned(),
-        Proof::StartCovered => "begins on an obstacle".to_owned(),
-        Proof::GoalCovered => "ends on an obstacle".to_owned(),
-        Proof::BlocksApart => "cannot be reached: whole regions of the lattice are cut off from one another".to_owned(),
-        Proof::StartShut { cells: 1 } => "not one switch is free where it begins".to_owned(),
+        Proof::StartCovered => "it begins on an obstacle".to_owned(),
+        Proof::GoalCovered => "it ends on an obstacle".to_owned(),
+        Proof::BlocksApart => {
+            "it cannot be reached: whole regions of the lattice are cut off from one another".to_owned()
+        }
+        Proof::StartShut { cells: 1 } => "every switch is blocked where it begins".to_owned(),
         Proof::GoalShut { cells: 1 } => "no switch leads to it".to_owned(),
-        Proof::StartShut { cells } => format!("only {cells} cells can be reached, all were searched"),
-        Proof::GoalShut { cells } => format!("it can be reached from {cells} cells only, all were searched"),
+        Proof::StartShut { cells } => format!("only {cells} cells can be reached; all were searched"),
+        Proof::GoalShut { cells } => format!("it can be reached from only {cells} cells; all were searched"),
     }
 }
 

@@ -501,9 +501,11 @@ impl Tasks<'_> {
         let text = |cell| stage::cell(self.order, cell).to_string();
         let name = &part.name;
         let proof = match (blamed.is_empty(), &self.order.facts.map) {
-            (false, _) => format!("`{name}` is shut off from {}", text(to)),
-            (true, Some(_)) => format!("electrodes that work do not lead `{name}` from {} to {}", text(from), text(to)),
-            (true, None) => format!("no cell that `{name}` can come to lies beside {}", text(to)),
+            (false, _) => format!("`{name}` is cut off from {}", text(to)),
+            (true, Some(_)) => {
+                format!("no chain of working electrodes leads `{name}` from {} to {}", text(from), text(to))
+            }
+            (true, None) => format!("no cell that `{name}` can reach lies beside {}", text(to)),
         };
         let diagnostic = errors::impossible(
             errors::StepEnds { step: span, from: &text(from), to: &text(to) },
@@ -545,11 +547,12 @@ fn reach(order: &ElectrodeArrayOrder, part: &str, cells: Vec<board::CellIndex>) 
 fn more_may_do(budget: u64) -> String {
     let most = u64::from(MAX_EXPANSIONS);
     if budget >= most {
-        return "no budget is known to do, and no more can be allowed: send the parts in several steps of the task"
+        return "no sufficient budget is known, and no larger one is allowed: move the parts in several steps of the \
+                task"
             .to_owned();
     }
     let more = budget.saturating_mul(8).min(most);
-    format!("no budget is known to do; a larger one may: `using portfolio {{ expansions: {more} }}`")
+    format!("no sufficient budget is known; a larger one may help: `using portfolio {{ expansions: {more} }}`")
 }
 
 /// The plan with its figures. `bounds` hold for every plan, `bound` only for plans that keep the limits of the task.

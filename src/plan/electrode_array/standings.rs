@@ -41,12 +41,12 @@ pub fn on_obstacle(job: &Job, order: &ElectrodeArrayOrder, start: &[Option<Elect
         let obstacle = ground.obstacles().iter().find(|obstacle| obstacle.covers(index, board))?;
         let (part, obstacle, at) = (&part.name, obstacle.name(), obstacle.span);
         let title =
-            format!("`{part}` is at {cell} by then, on obstacle `{obstacle}` of this run's scene, or too near to it");
+            format!("`{part}` is then at {cell}, on obstacle `{obstacle}` of this run's scene or too near to it");
         let diagnostic = Diagnostic::new(Code::E0530, title)
-            .label(job.run_span, "begins with another scene than the run before, whose plan has chosen that place")
+            .label(job.run_span, "this run has another scene than the previous one, whose plan chose that cell")
             .label(at, "the obstacle")
             .help(format!(
-                "take the places at this obstacle out of those of `{part}`, or give the tasks of the device one scene"
+                "remove the places at this obstacle from those of `{part}`, or give the tasks of the device one scene"
             ));
         Some(diagnostic)
     })

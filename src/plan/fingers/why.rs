@@ -92,7 +92,7 @@ impl HandReasons<'_> {
             GraspSearchEnd::TooLarge { nodes } => {
                 Diagnostic::new(Code::E0602, format!("{} has {nodes} grasps, more than can be searched", self.what()))
                     .label(self.span(), "this turn")
-                    .help("take a larger `step`, fewer `fingers`, or several tasks")
+                    .help("use a larger `step`, fewer `fingers` or several tasks")
             }
         }
     }
@@ -103,11 +103,11 @@ impl HandReasons<'_> {
         let bound = digits(gave_up.bound as f64 / f64::from(self.order.facts.steps_per_turn));
         let title = format!("{}: the search gave up after {}", self.what(), count(budget, "expansion"));
         let help = match budget.saturating_mul(8).min(most) {
-            _ if budget >= most => "no more can be allowed: take a larger `step`, or split the task".to_owned(),
+            _ if budget >= most => "no larger budget is allowed: use a larger `step`, or split the task".to_owned(),
             more => format!("allow more: `using {} {{ expansions: {more} }}`", self.order.planner.name()),
         };
         Diagnostic::new(Code::E0602, title)
-            .label(self.span(), format!("neither planned nor disproved; no plan costs less than {bound} deg"))
+            .label(self.span(), format!("neither planned nor proven impossible; no plan costs less than {bound} deg"))
             .help(help)
     }
 
@@ -116,13 +116,13 @@ impl HandReasons<'_> {
         let bound = digits(bound as f64 / f64::from(self.order.facts.steps_per_turn));
         let (most, budget) = (u64::from(MAX_LOOKS), most_looks(self.order));
         let title = format!("{}: the search gave up after {budget} looks at grasps", self.what());
-        let fewer = "make the grasps fewer: by a larger `step`, larger tips or shorter tasks";
+        let fewer = "reduce the number of grasps with a larger `step`, larger tips or shorter tasks";
         let help = match budget.saturating_mul(4).min(most) {
             _ if budget >= most => fewer.to_owned(),
             more => format!("allow more: `using {} {{ looks: {more} }}`; or {fewer}", self.order.planner.name()),
         };
         Diagnostic::new(Code::E0602, title)
-            .label(self.span(), format!("neither planned nor disproved; no plan costs less than {bound} deg"))
+            .label(self.span(), format!("neither planned nor proven impossible; no plan costs less than {bound} deg"))
             .help(help)
     }
 
@@ -154,13 +154,11 @@ impl HandReasons<'_> {
             return self.otherwise_begun(None);
         }
         if planned.left_out.is_some() {
-            let title = format!(
-                "the search gave up: of the ways to do it the {} that turn least have no plan",
-                planned.routes.len()
-            );
+            let title =
+                format!("the search gave up: the {} alternatives that turn least have no plan", planned.routes.len());
             return Diagnostic::new(Code::E0602, title)
-                .label(self.span(), "neither planned nor disproved")
-                .help("say the turns with `rotate`, or take a larger `step` or `precision`");
+                .label(self.span(), "neither planned nor proven impossible")
+                .help("write the turns with `rotate`, or use a larger `step` or `precision`");
         }
         let torque = blocked.farthest.is_none().then(|| self.torque_left(planned, &begins.orientation)).flatten();
         if let Some(torque) = torque {
@@ -194,14 +192,18 @@ impl HandReasons<'_> {
             Some(grasp) => {
                 let grasp = grasp_text(self.order, grasp);
                 format!(
-                    "another grasp may do: one plan would begin with `{grasp}`; let the task before it end with that, if it can, or with another, or \
-                     make one task of the two"
+                    "another grasp may work: one plan would begin with `{grasp}`; end the previous task with it if \
+                     possible, or with another one, or merge the two tasks"
                 )
             }
-            None => "whether there is one from another grasp was not found out: make one task of the two, or let the one before end with a `grasp`".to_owned(),
+            None => {
+                "it is not known whether there is one from another grasp: merge the two tasks, or end the previous one \
+                 with a `grasp`"
+                    .to_owned()
+            }
         };
         Diagnostic::new(Code::E0602, title)
-            .label(self.span(), "the grasp is the one that the task before it ends with, which names none")
+            .label(self.span(), "this grasp is the last one of the previous task, which names none")
             .help(help)
     }
 
@@ -211,8 +213,8 @@ impl HandReasons<'_> {
         let title = "the grasp with which this task begins does not hold under its load";
         let torque = self.torque_of(held.grasp, held.plane, orientation);
         Diagnostic::new(code, title)
-            .label(self.span(), torque.unwrap_or_else(|| "no finger comes or leaves in this task".to_owned()))
-            .help("let the task before it end with a `grasp` that holds under this load, or lessen the load")
+            .label(self.span(), torque.unwrap_or_else(|| "no finger is placed or removed in this task".to_owned()))
+            .help("end the previous task with a `grasp` that holds under this load, or reduce the load")
     }
 
     /// Reached part of a turn whose end is unreachable; `None` if it is not known.
@@ -237,14 +239,15 @@ impl HandReasons<'_> {
         let stuck = Diagnostic::new(Code::E0602, format!("the greedy planner is stuck at {}", self.what()));
         match trials.try_with(&changed(self.order, &|_| ())) {
             Known::There => stuck
-                .label(self.span(), "the turns before it end where it has no way")
+                .label(self.span(), "the turns before it end where no path leads on")
                 .help("leave `using` out: Tweeze's own planner finds a plan"),
             Known::None => stuck
                 .label(self.span(), "Tweeze's own planner proves that there is no plan")
                 .help("leave out `using` to search for a change that makes it possible"),
-            Known::Nothing => {
-                stuck.label(self.span(), "neither planned nor disproved: the turns before it end where it has no way")
-            }
+            Known::Nothing => stuck.label(
+                self.span(),
+                "neither planned nor proven impossible: the turns before it end where no path leads on",
+            ),
         }
     }
 
@@ -277,7 +280,7 @@ impl HandReasons<'_> {
     /// effect.
     fn kept_back(&self) -> String {
         match kept_back(self.order) {
-            Some(share) => format!("; {share} % of friction and forces are kept back while it rolls"),
+            Some(share) => format!("; {share} % of friction and forces are held in reserve while it rolls"),
             None => String::new(),
         }
     }
@@ -293,20 +296,20 @@ impl HandReasons<'_> {
             )
         });
         if blocked.farthest.is_none() {
-            return "its first grasp lets go, or keeps every other finger away".to_owned();
+            return "its first grasp slips, or keeps every other finger away".to_owned();
         }
         if blocked.ends == 0 {
-            let what = junction.unwrap_or_else(|| "at its end no grasp holds".to_owned());
-            return format!("{what}, and that lets go");
+            let unpinned = || "no grasp holds at its end".to_owned();
+            return junction.map_or_else(unpinned, |junction| format!("{junction}, but this grasp slips"));
         }
         if !blocked.is_known {
-            return junction.map_or("how far the turn comes was not searched".to_owned(), |junction| junction);
+            return junction.map_or("how far the turn can go was not searched".to_owned(), |junction| junction);
         }
         let reached = match blocked.farthest {
             Some(angle) if angle != leg.turn.steps => {
-                format!("of {} deg it comes {} deg far", degrees(leg.turn.steps), degrees(angle))
+                format!("the turn reaches {} deg of {} deg", degrees(angle), degrees(leg.turn.steps))
             }
-            Some(_) | None => "it comes round, but with no grasp that it may end with".to_owned(),
+            Some(_) | None => "the turn reaches its end, but only with grasps that may not end it".to_owned(),
         };
         junction.map_or(reached.clone(), |junction| format!("{reached}; {junction}"))
     }
@@ -347,16 +350,14 @@ impl HandReasons<'_> {
         };
         // A grasp held from the beginning is the end of an earlier task, which is not planned again.
         let from = match trials.begins.held {
-            Some(_) => {
-                ", from the grasp with which this task begins: the tasks before it may then end with another one"
-            }
+            Some(_) => ", from the grasp with which this task begins: earlier tasks may then end with another one",
             None => "",
         };
         match (changes.as_slice(), trials.looks.are_spent()) {
             ([], true) => Some(format!("{ended} without a result")),
             ([], false) => Some(format!(
-                "neither friction up to {MOST_FRICTION}, nor a weaker `removal_safety`, nor half the step opens it: \
-                 turn it otherwise, or take another object or other tips"
+                "neither friction up to {MOST_FRICTION}, nor a lower `removal_safety`, nor half the step makes it \
+                 possible: turn it differently, or use another object or other tips"
             )),
             (changes, true) => Some(format!("{there} with {}{from}; {ended}", changes.join(", or with "))),
             (changes, false) => Some(format!("{there} with {}{from}", changes.join(", or with "))),
@@ -368,18 +369,18 @@ impl HandReasons<'_> {
         let NoTables::TooManyGrasps { contacts, layers } = *none else { return self.looks_spent(0) };
         let title = format!("{contacts} contacts at {layers} angles make more than {MAX_GRASPS} grasps of three");
         Diagnostic::new(Code::E0602, title)
-            .label(self.span(), "a load makes grasps differ from angle to angle")
-            .help("take a larger `step` or larger tips, or leave the load and the `material` out")
+            .label(self.span(), "under a load, grasps differ from angle to angle")
+            .help("use a larger `step` or larger tips, or leave out the load and the `material`")
     }
 
     /// Report of a grasp that the fingers cannot leave.
     fn stuck_fingers(&self) -> Diagnostic {
         let others = match self.order.load_un == [0.0; 3] {
-            true => "none was found at the end of a plan that they can leave one after the other",
-            false => "under a load other grasps were not tried",
+            true => "no grasp was found at the end of a plan that they can leave one after the other",
+            false => "other grasps were not tried, because of the load",
         };
         Diagnostic::new(Code::E0602, "the fingers cannot leave the grasp that was found first")
-            .label(self.span(), format!("of the fingers that hold here; {others}"))
+            .label(self.span(), others)
             .help("end with two fingers: put `grasp … at (…)` before it")
     }
 
@@ -401,23 +402,23 @@ impl HandReasons<'_> {
                     .help("place the part nearer to the middle of the hand, or give the stages a larger `range`")
             }
             WayError::Blocked { step, finger, contact } => {
-                let title = format!("finger {} has no clear way to or from contact {contact}", finger + 1);
-                Diagnostic::new(Code::E0602, title).label(at(step), "in this step").help("grasp it otherwise")
+                let title = format!("finger {} has no clear path to or from contact {contact}", finger + 1);
+                Diagnostic::new(Code::E0602, title).label(at(step), "in this step").help("use another grasp")
             }
             WayError::Adrift { step, finger, contact, off_um } => {
                 let allowed_um = self.order.facts.tolerance_um;
                 let title = format!(
-                    "finger {} comes to be {} um off contact {contact}, more than the tolerance of {} um leaves",
+                    "finger {} ends {} um off contact {contact}, more than the tolerance of {} um leaves room for",
                     finger + 1,
                     digits(to_decimals(off_um, 4)),
                     digits(allowed_um)
                 );
                 Diagnostic::new(Code::E0602, title).label(at(step), "the next turn is in another plane").help(
-                    "the outlines in both planes do not quite meet on the x axis, and each change of plane adds to it: `release` the \
-                     part before this step, or give the device a larger `tolerance`",
+                    "the outlines in the two planes do not quite meet on the x axis, and each change of plane adds to \
+                     the error: `release` the part before this step, or give the device a larger `tolerance`",
                 )
             }
-            WayError::TooFine { step } => Diagnostic::new(Code::E0602, "the way has too many stretches")
+            WayError::TooFine { step } => Diagnostic::new(Code::E0602, "the path has too many segments")
                 .label(at(step), "in this step")
                 .help("give the device a larger `tolerance`"),
             WayError::Unfit { step } => {

@@ -38,10 +38,10 @@ impl BedReasons<'_> {
         let diagnostic =
             Diagnostic::new(Code::E0606, title).label(self.step.span, "this carries all robots that have not docked");
         self.shown(diagnostic, hit).help(match self.is_given {
-            true => "apply it for a shorter time, or another state",
+            true => "apply it for a shorter time, or apply another state",
             false => {
-                "where the robots are by then depends on the plan of the steps before: lead a robot by another way there \
-                 (`via`), apply the state for a shorter time, or another state"
+                "where the robots are by then depends on the plan of the steps before: route a robot differently there \
+                 (`via`), apply the state for a shorter time, or apply another state"
             }
         })
     }
@@ -50,13 +50,13 @@ impl BedReasons<'_> {
     pub fn lowers_docked(&self, state: usize, robot: usize) -> Diagnostic {
         let name = self.name(robot);
         Diagnostic::new(Code::E0606, format!("control state {state} lowers the arm of {name}, but {name} has docked"))
-            .label(self.step.span, "an arm that is down would turn the structure")
+            .label(self.step.span, "a lowered arm would turn the structure")
             .help("apply a state in which the arms of all docked robots are up; `tweeze devices FILE` shows the control states")
     }
 
     /// Report of an assembly after a step in which robots turned, so that they are on their orbits from its beginning.
     pub fn still_turning(&self, hit: &FirstMeeting) -> Diagnostic {
-        let diagnostic = Diagnostic::new(Code::E0602, format!("no way was found: {}", self.meeting(hit.meeting)))
+        let diagnostic = Diagnostic::new(Code::E0602, format!("no path was found: {}", self.meeting(hit.meeting)))
             .label(self.step.span, "it has been turning since the step before");
         self.shown(diagnostic, hit).help("put `wait 1 ms` before this step: at 0 V all arms go up")
     }
@@ -66,13 +66,15 @@ impl BedReasons<'_> {
     pub fn not_guaranteed(&self, names: &str, why: &str, multiple: f64) -> Diagnostic {
         let help = match self.order.facts.errors.filter(|_| multiple > 0.0) {
             Some(errors) => format!(
-                "leave `guaranteed` out and count with `tweeze simulate`; this plan is guaranteed up to {}",
+                "leave `guaranteed` out and count successes with `tweeze simulate`; this plan is guaranteed up to {}",
                 message::fields(&errors, multiple)
             ),
             None if self.order.facts.is_exact() => {
                 "place each goal flat against the edge that it faces, without overlap; `tweeze simulate` lists what fails".to_owned()
             }
-            None => "leave `guaranteed` out and count with `tweeze simulate`; only with small errors is an assembly guaranteed".to_owned(),
+            None => "leave `guaranteed` out and count successes with `tweeze simulate`; an assembly is guaranteed only \
+                     with small errors"
+                .to_owned(),
         };
         Diagnostic::new(Code::E0605, format!("the docking of {names} is not guaranteed: {why}"))
             .label(self.step.span, with_errors(self.order))
@@ -89,35 +91,37 @@ impl BedReasons<'_> {
         let start = self.order.robots[robot].span;
         let clearance = length(self.order.facts.clearance_um);
         match stuck.reason {
-            StuckReason::Docked => Diagnostic::new(code, format!("{name} has docked and moves no more"))
+            StuckReason::Docked => Diagnostic::new(code, format!("{name} has docked and no longer moves"))
                 .label(self.step.span, "it is part of a structure")
                 .help("drive it before it docks"),
             StuckReason::NeverTurns => Diagnostic::new(
                 code,
                 format!("no control state lowers the arm of {name}{}, so it only runs straight", self.beside_docked()),
             )
-            .label(goal, "must turn to get here")
+            .label(goal, "it must turn to get here")
             .help("`tweeze devices FILE` shows the control states"),
             StuckReason::NeverRuns => Diagnostic::new(
                 code,
                 format!("no control state raises the arm of {name}{}, so it only turns", self.beside_docked()),
             )
-            .label(goal, "must run straight to get here")
+            .label(goal, "it must run straight to get here")
             .help("`tweeze devices FILE` shows the control states"),
             StuckReason::Start(thing) => {
-                let title = format!("{name} stands too near to {} to move: {clearance} are kept", self.thing(thing));
+                let title =
+                    format!("{name} is too near to {} to move: at least {clearance} is needed", self.thing(thing));
                 let diagnostic = Diagnostic::new(code, title).label(start, "it starts here");
-                self.near(diagnostic, thing, start).help("let it start elsewhere, or turned otherwise")
+                self.near(diagnostic, thing, start).help("start it elsewhere, or with another heading")
             }
             StuckReason::Goal(thing) => {
-                let title = format!("at its goal {name} is too near to {}: {clearance} are kept", self.thing(thing));
-                let diagnostic = Diagnostic::new(code, title).label(goal, "no way can end here");
+                let title =
+                    format!("at its goal {name} is too near to {}: at least {clearance} is needed", self.thing(thing));
+                let diagnostic = Diagnostic::new(code, title).label(goal, "no path can end here");
                 self.near(diagnostic, thing, goal).help("choose another place or heading")
             }
             StuckReason::Blocked(thing) => {
-                let title = format!("no way was found for {name} round {}", self.thing(thing));
-                let diagnostic = Diagnostic::new(code, title).label(goal, "the way to this pose");
-                self.near(diagnostic, thing, goal).help("name a pose on the way with `via`, or make room")
+                let title = format!("no path was found for {name} around {}", self.thing(thing));
+                let diagnostic = Diagnostic::new(code, title).label(goal, "the path to this pose");
+                self.near(diagnostic, thing, goal).help("name a pose along the path with `via`, or make room")
             }
             StuckReason::GaveUp(thing) => {
                 let diagnostic = self.gave_up();
@@ -127,14 +131,14 @@ impl BedReasons<'_> {
             StuckReason::TooFine => {
                 Diagnostic::new(code, format!("whole strokes do not bring {name} within the precision"))
                     .label(goal, "this pose")
-                    .help("ask for less `precision`, or give the bed a smaller `step_size`")
+                    .help("use a larger `precision`, or give the bed a smaller `step_size`")
             }
             StuckReason::Meets(hit) => {
                 let title = format!("{name} has a path, but all robots move with it: {}", self.meeting(hit.meeting));
-                let diagnostic = Diagnostic::new(code, title)
-                    .label(goal, "so it ends with the last of the control states that were tried");
+                let diagnostic =
+                    Diagnostic::new(code, title).label(goal, "the last choice of control states tried ends like this");
                 self.shown(diagnostic, &hit)
-                    .help("make room for the robots that run along or turn, or drive them out of the way first")
+                    .help("make room for the robots that move with it, or drive them out of the way first")
             }
         }
     }
@@ -146,7 +150,8 @@ impl BedReasons<'_> {
         let obstacles = obstacles.collect::<Vec<_>>().join(" or ");
         let needed_um = strokes as f64 * self.order.robot(doomed.robot).step_um;
         let title = format!(
-            "{name} comes nearer than {} to {obstacles} within {} of its path, whatever control states are driven; the strokes of this step take it at least {} along",
+            "{name} comes nearer than {} to {obstacles} within {} of path, whatever control states are applied; the \
+             strokes of this step drive it at least {}",
             length(self.order.facts.clearance_um),
             length(doomed.way_um),
             length(needed_um)
@@ -154,11 +159,11 @@ impl BedReasons<'_> {
         let robot = self.order.robots[doomed.robot].span;
         let diagnostic = Diagnostic::new(Code::E0601, title)
             .label(self.step.span, "every stroke moves all robots that have not docked")
-            .label_elsewhere(robot, self.step.span, "with its arm up or down, and by turns");
+            .label_elsewhere(robot, self.step.span, "this holds with its arm up, down or alternating");
         let in_the_way = doomed.obstacles.iter().map(|index| self.order.obstacles[*index].span);
         let diagnostic = in_the_way
             .fold(diagnostic, |diagnostic, span| diagnostic.label_elsewhere(span, self.step.span, "in the way"));
-        diagnostic.help("let it start elsewhere or turned otherwise, or make room before it")
+        diagnostic.help("start it elsewhere or with another heading, or make room in front of it")
     }
 
     /// Further condition on a control state, if anything has docked.
@@ -191,10 +196,10 @@ impl BedReasons<'_> {
                 self.goal_in_orbit(code, *robot, *orbiting, *gap_um, span)
             }
             StuckAssembly::Apart { robot } => {
-                let title = format!("{} touches nothing at its goal when it comes to dock", self.name(*robot));
+                let title = format!("{} touches nothing at its goal when it docks", self.name(*robot));
                 Diagnostic::new(code, title)
                     .label(span(*robot), "no body that has docked before is within the docking tolerance")
-                    .help("a robot docks with those that snap down after it: let their goals touch")
+                    .help("a robot docks with those that snap down after it: make their goals touch")
             }
             StuckAssembly::Blocked { robot, partner, hit } => self.blocked(code, *robot, *partner, hit, span),
             StuckAssembly::Untimely { first, second } => {
@@ -205,11 +210,11 @@ impl BedReasons<'_> {
                 );
                 Diagnostic::new(code, title)
                     .label(span(*first), "no phase of the other's orbit was found from which both arrive together")
-                    .help("let them start farther from their goals, or turned otherwise")
+                    .help("start them farther from their goals, or with other headings")
             }
             StuckAssembly::NoWay { robot, blocker } => {
-                let title = format!("no way was found for {} round {}", self.name(*robot), self.blocker(*blocker));
-                let diagnostic = Diagnostic::new(code, title).label(span(*robot), "the way to this goal");
+                let title = format!("no path was found for {} around {}", self.name(*robot), self.blocker(*blocker));
+                let diagnostic = Diagnostic::new(code, title).label(span(*robot), "the path to this goal");
                 self.in_the_way(diagnostic, *blocker)
                     .help("move it aside, or allow more: `using one_way_dubins { expansions: 2000000 }`")
             }
@@ -219,10 +224,10 @@ impl BedReasons<'_> {
                 let reach = Quantity::length_um(self.order.robot(*robot).orbit_reach_um());
                 let diagnostic = Diagnostic::new(code, title).label(
                     self.order.robots[*robot].span,
-                    format!("sweeps a disc of {} radius while others are driven", rounded(reach)),
+                    format!("it sweeps a disc with a radius of {} while others are driven", rounded(reach)),
                 );
                 self.in_the_way(diagnostic, *blocker)
-                    .help("let it start elsewhere, with room around it, or drive it there before this step")
+                    .help("start it elsewhere with room around it, or drive it there before this step")
             }
             StuckAssembly::Coarse { robot } => {
                 let title =
@@ -250,14 +255,14 @@ impl BedReasons<'_> {
             um(to_decimals(gap_um, 5))
         );
         Diagnostic::new(code, title)
-            .label(goal, "as near to this goal as whole strokes brought it")
-            .help("allow more `docking_tolerance`, or give the bed a smaller `step_size`")
+            .label(goal, "whole strokes brought it no nearer to this goal")
+            .help("use a larger `docking_tolerance`, or give the bed a smaller `step_size`")
     }
 
     fn gave_up(&self) -> Diagnostic {
         let budget = self.order.expansions;
         Diagnostic::new(Code::E0602, format!("the search gave up after {}", count(budget, "expansion")))
-            .label(self.step.span, "neither planned nor disproved")
+            .label(self.step.span, "neither planned nor proven impossible")
             .help(crate::plan::errors::more_allowed(budget, MicrorobotsPlanner::OneWayDubins.name()))
     }
 
@@ -270,12 +275,13 @@ impl BedReasons<'_> {
     ) -> Diagnostic {
         let names = self.names(robots);
         let orbits = orbiting.map_or("all others that have not docked".to_owned(), |robot| self.name(robot));
-        let verb = if orbiting.is_some() { "goes" } else { "go" };
-        let title = format!("no control states steer {names} while {orbits} {verb} round{}", self.beside_docked());
+        let verb = if orbiting.is_some() { "orbits" } else { "orbit" };
+        let title = format!("no control states steer {names} while {orbits} {verb}{}", self.beside_docked());
         let first = robots.first().copied().unwrap_or(0);
-        Diagnostic::new(code, title)
-            .label(span(first), "cannot be steered alone")
-            .help("robots that snap down first dock last: an assembly begins with the two that snap last; no other plans are looked for; `tweeze devices FILE` shows the control states")
+        Diagnostic::new(code, title).label(span(first), "it cannot be steered alone").help(
+            "robots that snap down first dock last: an assembly begins with the two that snap down last, and no other \
+             plans are searched; `tweeze devices FILE` shows the control states",
+        )
     }
 
     fn goal_in_orbit(
@@ -292,10 +298,10 @@ impl BedReasons<'_> {
             false => format!("is {} from the disc that {other} sweeps", length(gap_um)),
         };
         let least = length(self.order.facts.orbit_clearance_um);
-        Diagnostic::new(code, format!("the goal of {name} {place}, at least {least} is needed"))
-            .label(span(robot), format!("{name} docks here while {other} goes round"))
+        Diagnostic::new(code, format!("the goal of {name} {place}; at least {least} is needed"))
+            .label(span(robot), format!("{name} docks here while {other} orbits"))
             .label_elsewhere(self.order.robots[orbiting].span, span(robot), "its orbit begins here")
-            .help(format!("let {other} start farther from the structure, or drive it away before this step"))
+            .help(format!("start {other} farther from the structure, or drive it away before this step"))
     }
 
     fn blocked(
@@ -310,9 +316,9 @@ impl BedReasons<'_> {
             Some(partner) => format!("{} and {}", self.name(robot), self.name(partner)),
             None => self.name(robot),
         };
-        let title = format!("no way was found for {driven}: {}", self.meeting(hit.meeting));
-        let diagnostic = Diagnostic::new(code, title)
-            .label(span(robot), "of all ways to this goal that were tried the last one ended so");
+        let title = format!("no path was found for {driven}: {}", self.meeting(hit.meeting));
+        let diagnostic =
+            Diagnostic::new(code, title).label(span(robot), "the last path tried to this goal ends like this");
         self.shown(diagnostic, hit)
             .help("give the robots more room: other starts, other headings of the goals, or fewer obstacles")
     }

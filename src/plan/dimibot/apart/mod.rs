@@ -73,13 +73,13 @@ fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnosti
     let at_ms = digits(failure.at_ns as f64 / 1e6);
     let why = match failure.reason {
         TryReason::Met => format!("at {at_ms} ms it meets `{with}`"),
-        TryReason::EndTogether => format!("at {at_ms} ms it meets `{with}`, and it ends where `{with}` stands by then"),
+        TryReason::EndTogether => format!("at {at_ms} ms it meets `{with}`, and it ends where `{with}` then stands"),
         TryReason::Missed => {
-            format!("at {at_ms} ms it meets `{with}`, and with waits or ways round a requirement is missed")
+            format!("it starts at {at_ms} ms; no wait or detour was found that keeps its requirements")
         }
-        TryReason::NoWay => format!("from where `{device}` stands by then no way was found"),
+        TryReason::NoWay => format!("no path was found from the cell where `{device}` then stands"),
         TryReason::Spent => {
-            format!("at {at_ms} ms it meets `{with}`; the search ended after {COMPARISONS} comparisons")
+            format!("it starts at {at_ms} ms; the search ended after {COMPARISONS} comparisons")
         }
     };
     let help = match failure.reason {

@@ -44,15 +44,15 @@ impl Shut<'_> {
         if self.blamed.is_empty() {
             return None;
         }
-        let alone = format!("without {} `{}` has a way", self.names(self.blamed), self.part);
+        let alone = format!("without {} `{}` has a path", self.names(self.blamed), self.part);
         Some(match tried {
             Tried::Planned => format!("{} there is a plan{}", self.remedy(), self.extent()),
             Tried::Impossible => format!("{alone}{}; but {} the task has no plan either", self.extent(), self.then()),
             Tried::NotFound(budget) => {
-                let within = format!("within {budget} expansions a step");
+                let within = format!("within {budget} expansions per step");
                 format!("{alone}{}; no plan of the task was found {} {within}", self.extent(), self.then())
             }
-            Tried::LeftOut => format!("{alone}{}; the others were not looked at", self.extent()),
+            Tried::LeftOut => format!("{alone}{}; the other parts were not considered", self.extent()),
         })
     }
 
@@ -88,7 +88,7 @@ impl Shut<'_> {
     fn extent(&self) -> &'static str {
         match self.removal {
             Removal::OpensAndIsSmallest | Removal::Unknown => "",
-            Removal::Opens => " (the smallest set that was found)",
+            Removal::Opens => " (the smallest set found)",
         }
     }
 
