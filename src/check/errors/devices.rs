@@ -150,7 +150,7 @@ pub fn wire_without_instrument(field: &Ident, output: Span) -> Diagnostic {
 
 /// A field of all wires inside of a loop.
 pub fn wire_field_in_loop(field: &Ident) -> Diagnostic {
-    Diagnostic::new(Code::E0427, format!("`{}` applies to all wires, but stands in a loop", field.text))
+    Diagnostic::new(Code::E0427, format!("`{}` applies to all wires, but is written in a loop", field.text))
         .label(field.span, "a field of the whole wiring")
         .help("move it out of the loop, or into the braces of a wire: `a -> awg.ch1 { gain: 50 }`")
 }

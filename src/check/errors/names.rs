@@ -300,7 +300,7 @@ pub fn unknown_verb(span: Span, verb: &str, vocabulary: &Vocabulary, near: Optio
     known.dedup();
     let besides = besides_words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
     let list = match vocabulary.nouns.iter().any(|noun| noun.name == verb) {
-        true => format!("declare objects in a scene, `scene bench {{ {verb} … }}`, and let the task run `in bench`"),
+        true => format!("declare objects in a scene, `scene bench {{ {verb} … }}`, and run the task `in bench`"),
         false => format!("{kind} can {}; also available are {besides} and the settings", listed(known.iter().copied())),
     };
     let own = known.iter().chain(besides_words).copied().find(|own| own.eq_ignore_ascii_case(verb));

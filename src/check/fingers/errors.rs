@@ -126,7 +126,7 @@ pub fn tip_too_large(span: Span, at: &Tipped, radius_um: f64, device: Span) -> D
     Diagnostic::new(Code::E0540, title)
         .label(span, format!("near {} in the plane {}", at.place(), at.plane.name()))
         .label(device, "the tips of this device")
-        .help(format!("use tips of a radius of less than {}, which reach everywhere", length(no_more(radius_um, 2))))
+        .help(format!("use tips with a radius of less than {}, which reach everywhere", length(no_more(radius_um, 2))))
 }
 
 /// A place on a part, for a message.

@@ -239,11 +239,8 @@ pub fn gap_labels(column: &str, [down, up]: [&str; 2], gap_v: f64) -> [String; 2
 }
 
 pub fn too_many_states(most: usize) -> Diagnostic {
-    Diagnostic::new(
-        Code::E0416,
-        format!("the table has more than {most} control states, the most that the planner takes"),
-    )
-    .help("nested gaps multiply the states: give robots that are used alike rows with the same voltages")
+    Diagnostic::new(Code::E0416, format!("more than {most} control states; the planner takes no more"))
+        .help("nested gaps multiply the states: give robots that are used alike rows with the same voltages")
 }
 
 /// `code` is that of the last fault that was reported.
@@ -471,7 +468,7 @@ pub fn obstacle_on_docked(run: Span, docked: &GoalPlace, obstacle: &str, at: Spa
         Code::E0530,
         format!("`{name}` has docked by then where obstacle `{obstacle}` of this run's scene lies"),
     )
-    .label(run, "begins with another scene than the previous run")
+    .label(run, "begins with a different scene from the previous run")
     .label(docked.span, format!("`{name}` has docked here"))
     .label(at, "the obstacle")
     .help("give the tasks of the device one scene, or keep the structure clear of obstacles in the later one")

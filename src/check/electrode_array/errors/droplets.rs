@@ -78,7 +78,7 @@ pub fn not_there_yet(span: Span, part: &BoardPart) -> Diagnostic {
 pub fn there_already(span: Span, name: &str, since: Span) -> Diagnostic {
     Diagnostic::new(Code::E0555, format!("`{name}` is on the board already"))
         .label(span, "cannot enter it again")
-        .label_elsewhere(since, span, format!("`{name}` is on the board since this"))
+        .label_elsewhere(since, span, format!("`{name}` has been on the board since this"))
         .help("declare another `part` without `at`, or a list of them with `for`: each droplet has a name of its own")
 }
 
@@ -284,7 +284,7 @@ pub fn loop_blocked(
 ) -> Diagnostic {
     let title = format!("`{name}` cannot be mixed from {corner}: it cannot go to {cell}");
     let help = nearest(free, "from which the whole loop is free").unwrap_or_else(|| {
-        "give the device a smaller `mixer`: from no cell of this board is the whole loop free".to_owned()
+        "give the device a smaller `mixer`: no cell of this board leaves the whole loop free".to_owned()
     });
     Diagnostic::new(Code::E0558, title)
         .label(span, format!("{columns} × {rows} electrodes, to the right and up from here"))

@@ -91,7 +91,7 @@ pub fn potential_too_low(
     let forces = balance.map(|Balance { lateral, friction, net, there, known_by }| {
         let there = there.as_ref().map(|there| format!(" ({there} at the potential needed)")).unwrap_or_default();
         let known = known_by.map(|known_by| {
-            format!("; the net force is above 0 by this model, but the limit is {known_by}: less is not known to move a part")
+            format!("; this model gives a net force above 0, but the limit is {known_by}: less is not known to move a part")
         });
         let known = known.unwrap_or_default();
         format!(": at {potential} a part is pulled with {lateral} against a static friction of {friction}, net {net}{there}{known}")
@@ -376,7 +376,7 @@ pub fn goal_out_of_reach(
     let cell =
         u32::try_from(column).ok().zip(u32::try_from(row).ok()).map(|(column, row)| ElectrodeCell::new(column, row));
     let title = cell.and_then(|cell| no_place(facts, cell)).unwrap_or_else(|| {
-        format!("cell ({column}, {row}) lies outside the cells that a part can take, {}", extent(facts.reach()))
+        format!("cell ({column}, {row}) is not one of the cells that a part can take, {}", extent(facts.reach()))
     });
     Diagnostic::new(Code::E0501, title).label(span, "cannot be reached").help_if(nearest(free, "that is free"))
 }
@@ -514,7 +514,7 @@ pub fn obstacle_comes_near(
         }
     };
     Diagnostic::new(Code::E0530, title)
-        .label(run, "begins with another scene than the previous run")
+        .label(run, "begins with a different scene from the previous run")
         .label(since, format!("`{name}` has been at {cell} since this"))
         .label(at, "the obstacle")
         .help(format!("send `{name}` away before this run, or give the tasks of the device one scene"))
