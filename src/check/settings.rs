@@ -86,7 +86,7 @@ impl Checker<'_> {
         if value.is_unknown() || declared.is_unknown() || value.describe() == declared.describe() {
             return Some(());
         }
-        let why = format!("is {}, the value is declared as {}", value.describe_fully(), declared.describe_fully());
+        let why = format!("is {}, but the value is declared as {}", value.describe_fully(), declared.describe_fully());
         let help = match declared {
             Value::Quantity(quantity) => {
                 let unit = quantity.dimension.example_unit();

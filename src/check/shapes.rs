@@ -27,36 +27,36 @@ pub fn impossible(shape: &ShapeValue, span: Span) -> Option<Diagnostic> {
         ShapeForm::Box => {
             let at = field_span(shape, "size", span);
             let is_flat = size_um(shape).iter().any(|side| *side <= 0.0);
-            let help = "a wall without width is a `capsule` with a small radius";
-            is_flat.then(|| errors::bad_shape(at, "a box without width or height", "both must be above 0", help))
+            let help = "write a wall without width as a `capsule` with a small radius";
+            is_flat.then(|| errors::bad_shape(at, "a box has no width or no height", "both must be above 0", help))
         }
         ShapeForm::Polygon => impossible_polygon(&corners_um(shape), field_span(shape, "points", span)),
     }
 }
 
 fn impossible_polygon(corners: &[[f64; 2]], at: Span) -> Option<Diagnostic> {
-    let count = format!("a polygon of {} corners", corners.len());
+    let count = format!("a polygon has {} corners", corners.len());
     if corners.len() > MAX_CORNERS {
-        let why = format!("at most {MAX_CORNERS} are taken");
-        return Some(errors::bad_shape(at, &count, &why, "make several polygons of it"));
+        let why = format!("at most {MAX_CORNERS} are allowed");
+        return Some(errors::bad_shape(at, &count, &why, "split it into several polygons"));
     }
     Some(match polygon::fault(corners)? {
         polygon::PolygonFault::TooFewCorners => {
-            errors::bad_shape(at, &count, "at least 3 are needed", "a line is a `capsule` with a small radius")
+            errors::bad_shape(at, &count, "at least 3 are needed", "write a line as a `capsule` with a small radius")
         }
         polygon::PolygonFault::NoArea => errors::bad_shape(
             at,
-            "a polygon without area",
+            "a polygon has no area",
             "its corners lie on one line",
-            "a line is a `capsule` with a small radius",
+            "write a line as a `capsule` with a small radius",
         ),
         polygon::PolygonFault::RepeatedCorner(corner) => {
-            let why = format!("corner {corner} and the next are one place");
-            errors::bad_shape(at, "a polygon with a corner given twice", &why, "leave one of the two out")
+            let why = format!("corner {corner} and the next coincide");
+            errors::bad_shape(at, "a polygon has the same corner twice", &why, "remove one of the two")
         }
         polygon::PolygonFault::Crossing(a, b) => {
             let why = format!("the sides from corners {a} and {b} meet");
-            errors::bad_shape(at, "a polygon that crosses itself", &why, "give the corners in order round the outline")
+            errors::bad_shape(at, "a polygon crosses itself", &why, "give the corners in order round the outline")
         }
     })
 }

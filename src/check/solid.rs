@@ -123,9 +123,10 @@ fn of_sections_um(shape: &ShapeValue, outlines: [&Curve; 2]) -> Diagnosed<Option
     let [x, y, z] = vector_um(shape, "centre_of_mass");
     let reach_um = outlines.map(Curve::reach_um).into_iter().fold(0.0, f64::max);
     if x.hypotenuse(y).hypotenuse(z) > reach_um {
-        let what = format!("a centre of mass farther from the origin than the part reaches, {} um", digits(reach_um));
+        let what =
+            format!("the centre of mass is farther from the origin than the part reaches, {} um", digits(reach_um));
         let help = "give it in the axes of the outlines, or check its unit";
-        return Err(Box::new(errors::bad_shape(stated.span, &what, "outside of the part", help)));
+        return Err(Box::new(errors::bad_shape(stated.span, &what, "outside the part", help)));
     }
     Ok(Some([x, y, z]))
 }
@@ -165,12 +166,12 @@ fn superellipsoid(shape: &ShapeValue) -> Diagnosed<HandSolid> {
         && !(EXPONENTS[0]..=EXPONENTS[1]).contains(&exponent)
     {
         let what = format!(
-            "a superellipsoid of the exponent {}, from {} to {} are taken",
+            "the exponent of a superellipsoid is {}, but must be from {} to {}",
             digits(exponent),
             EXPONENTS[0],
             EXPONENTS[1]
         );
-        let help = "2 makes an ellipsoid; for flatter flanks take a `rounded_box`";
+        let help = "2 makes an ellipsoid; use a `rounded_box` for flatter flanks";
         return Err(Box::new(errors::bad_shape(field.span, &what, "out of its range", help)));
     }
     Ok(HandSolid {
@@ -223,9 +224,10 @@ fn rounded_box(shape: &ShapeValue) -> Diagnosed<HandSolid> {
         && (radius > least * (1.0 + 1e-12) || radius < MIN_UM)
     {
         let text = |um: f64| format!("{} um", digits(um));
-        let what = format!("edges rounded by {}, from {} to {} can be", text(radius), text(MIN_UM), text(least));
-        let help = "the greatest is half of the least width";
-        return Err(Box::new(errors::bad_shape(field.span, &what, "cannot be its edges", help)));
+        let what =
+            format!("edges are rounded by {}, but this must be from {} to {}", text(radius), text(MIN_UM), text(least));
+        let help = "the greatest is half the least width";
+        return Err(Box::new(errors::bad_shape(field.span, &what, "out of its range", help)));
     }
     let radius = radius.min(least);
     let inner = half.map(|half| half - radius);
@@ -365,9 +367,9 @@ fn profile(shape: &ShapeValue, plane: Plane, span: Span) -> Diagnosed<Outline> {
             _ => Vec::new(),
         },
         (Some(points), _, _) => {
-            let help = "leave out one of them";
-            let what = "a profile by points and by a curve";
-            return Err(Box::new(errors::bad_shape(points.span, what, "and by `x` or `y` as well", help)));
+            let help = "remove one of them";
+            let what = "a profile has both points and a curve";
+            return Err(Box::new(errors::bad_shape(points.span, what, "`x` or `y` is given as well", help)));
         }
         (None, _, _) => {
             let help = "write `profile { points: [(9 um, 0 um), (0 um, 5 um), …] }`, or `profile { x: 9 um * cos(t), y: 5 um * sin(t) }`";
@@ -402,8 +404,8 @@ fn turns_clockwise(points: &[[f64; 2]]) -> bool {
 }
 
 fn too_many(count: usize, span: Span) -> Diagnostic {
-    let what = format!("an outline of {count} points, at most {MAX_POINTS} are taken");
-    errors::bad_shape(span, &what, "too many points", "take every tenth: a smooth curve is laid through them")
+    let what = format!("an outline has {count} points; at most {MAX_POINTS} are allowed");
+    errors::bad_shape(span, &what, "too many points", "use every tenth: a smooth curve is drawn through them")
 }
 
 /// Diagnostic for an outline that cannot be sampled.
@@ -419,50 +421,50 @@ fn outline_fault(fault: &OutlineError, outline: &Outline, span: Span) -> Diagnos
     match fault {
         OutlineError::Number => errors::bad_shape(
             span,
-            "an outline too large or too small to follow",
-            "1 nm to 1 m are taken",
+            "an outline is too large or too small to follow",
+            "1 nm to 1 m are allowed",
             "check its units",
         ),
         OutlineError::TooFewPoints(count) => {
-            let what = format!("an outline of {count} points; at least {MIN_POINTS} are needed");
-            errors::bad_shape(span, &what, "too few points", "a smooth curve is laid through them: give some more")
+            let what = format!("an outline has {count} points; at least {MIN_POINTS} are needed");
+            errors::bad_shape(span, &what, "too few points", "add points: a smooth curve is drawn through them")
         }
         OutlineError::TooManyPoints(count) => too_many(*count, span),
         OutlineError::RepeatedPoint(index) => {
-            let what = format!("an outline with a point given twice{}", place(*index));
-            errors::bad_shape(span, &what, "two neighbours are one place", "leave one of the two out")
+            let what = format!("an outline has the same point twice{}", place(*index));
+            errors::bad_shape(span, &what, "two neighbouring points coincide", "remove one of the two")
         }
         OutlineError::NoArea => errors::bad_shape(
             span,
-            "an outline that encloses no area",
+            "an outline encloses no area",
             "its points lie on one line, or it crosses itself",
             "give the points in order round it",
         ),
         OutlineError::Thin => errors::bad_shape(
             span,
-            "an outline that is thinner than 1 nm",
-            "too thin to be followed",
+            "an outline is thinner than 1 nm",
+            "too thin to follow",
             "check the units of its figures",
         ),
         OutlineError::Crossing { ways_um } => {
             let ways = ways_um.map(|way| format!("{} um", digits(way))).join(" and ");
-            let what = format!("an outline that crosses itself, {ways} along it");
+            let what = format!("an outline crosses itself, {ways} along it");
             errors::bad_shape(span, &what, "not a simple outline", in_order)
         }
         OutlineError::Rough { point_um } => {
-            let what = format!("an outline with a corner near {}", point(*point_um));
+            let what = format!("an outline has a corner near {}", point(*point_um));
             errors::bad_shape(
                 span,
                 &what,
                 "tips roll on smooth outlines",
-                "round it: let neighbouring points turn by less",
+                "round it, so that the outline turns less at each point",
             )
         }
         OutlineError::OffOrigin => {
             let why = "the x axis must meet it on both sides of the origin";
             errors::bad_shape(
                 span,
-                "an outline that does not lie round its origin",
+                "an outline does not lie around its origin",
                 why,
                 "move its points until the origin is inside",
             )

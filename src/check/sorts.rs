@@ -95,7 +95,7 @@ pub fn judge(
 fn not_a_size(value: &Value, span: Span, wanted: &WantedName) -> Box<crate::diagnostic::Diagnostic> {
     let wrong = errors::wrong_value(wanted, "a width and a height", "(4 um, 0.5 um)", span, value);
     let is_in_space = matches!(value, Value::Point(sizes) if sizes.len() == 3);
-    Box::new(if is_in_space { wrong.help("a body of three sizes is a `rounded_box`") } else { wrong })
+    Box::new(if is_in_space { wrong.help("use a `rounded_box` for a body of three sizes") } else { wrong })
 }
 
 /// Checks that a value is a list of values of a sort; `what` describes such a list in the message.

@@ -55,7 +55,7 @@ pub(super) fn board(path: &str, electrodes: Vec<DrawnElectrode>, limits: BoardLi
     let sides = [right - left + 1, bottom - top + 1];
     let [columns, rows] = sides.map(|side| u32::try_from(side).ok().filter(|side| *side <= most_side));
     let (Some(columns), Some(rows)) = (columns, rows) else {
-        return Err(format!("has {} columns and {} rows, at most {most_side} are planned with", sides[0], sides[1]));
+        return Err(format!("has {} columns and {} rows; at most {most_side} of each are allowed", sides[0], sides[1]));
     };
     let cut_off = cut_off(&electrodes, &places, spacing);
     let mut channels = vec![None; columns as usize * rows as usize];

@@ -69,10 +69,10 @@ pub(super) fn read(text: &str, BoardLimits { most_channel, .. }: BoardLimits) ->
         false => purpledrop(serde_json::from_str(&text).map_err(|error| fault(&error, "a board of PurpleDrop"))?)?,
     };
     if electrodes.len() > MAX_ELECTRODES {
-        return Err(format!("has {} electrodes, at most {MAX_ELECTRODES} are read", electrodes.len()));
+        return Err(format!("has {} electrodes; at most {MAX_ELECTRODES} are allowed", electrodes.len()));
     }
     if let Some(far) = electrodes.iter().find(|electrode| electrode.channel > most_channel) {
-        return Err(format!("has a channel {}, the last that is known is {most_channel}", far.channel));
+        return Err(format!("has a channel {}, but the last known channel is {most_channel}", far.channel));
     }
     let is_sound = |bounds: &[f64; 4]| {
         bounds.iter().all(|side| side.is_finite()) && bounds[0] < bounds[2] && bounds[1] < bounds[3]
@@ -154,7 +154,7 @@ fn purpledrop(file: PurpledropFile) -> Result<Vec<DrawnElectrode>, String> {
         if let Some((row, cells)) = pins.iter().enumerate().find(|(_, cells)| cells.len() != width) {
             let [row, places] = [row + 1, cells.len()];
             return Err(format!(
-                "has a grid whose row {row} has another length, {places}, than its first row, {width}: write `null` where nothing is"
+                "has a grid whose row {row} has a length of {places}, but its first row has {width}: write `null` where there is no electrode"
             ));
         }
         for (row, cells) in pins.into_iter().enumerate() {

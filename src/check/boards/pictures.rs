@@ -38,13 +38,14 @@ fn electrode(node: Node, most_channel: u32) -> Result<DrawnElectrode, String> {
     };
     let written = node.attribute(CHANNEL).unwrap_or_default();
     let channel = written.trim().parse().ok().filter(|channel| *channel <= most_channel);
-    let channel = channel.ok_or_else(|| here(format!("a channel `{}`, not 0 to {most_channel}", plain(written))))?;
+    let channel = channel
+        .ok_or_else(|| here(format!("a channel `{}`, which is not from 0 to {most_channel}", plain(written))))?;
     let name = match node.attribute("id") {
         Some(id) => plain(id),
         None => format!("channel {channel}"),
     };
     let drawn = node.attribute("d").and_then(bounds);
-    let [left, top, right, bottom] = drawn.ok_or_else(|| here(format!("a path of `{name}` that is no outline")))?;
+    let [left, top, right, bottom] = drawn.ok_or_else(|| here(format!("a path of `{name}` that is not an outline")))?;
     let [x, y] = shift(node).ok_or_else(|| here(format!("a transform of `{name}` other than `translate`")))?;
     Ok(DrawnElectrode { name, channel, bounds: Some([left + x, top + y, right + x, bottom + y]) })
 }

@@ -160,7 +160,7 @@ fn what_is_no_board_says_where() {
         ("{ \"layout\": 3 }", "invalid type: integer `3`, expected an object with `grid` or `grids`"),
         ("{ \"layout\": { \"grid\": [[\"a\"]] } }", "invalid type: string \"a\", expected a whole number from 0"),
         ("{ \"layout\": { \"grid\": [[-1]] } }", "invalid value: integer `-1`, expected a whole number from 0"),
-        ("{ \"layout\": { \"grid\": [[1, 2], [3]] } }", "row 2 has another length, 1, than its first row, 2"),
+        ("{ \"layout\": { \"grid\": [[1, 2], [3]] } }", "row 2 has a length of 1, but its first row has 2"),
         ("{ \"layout\": {} }", "no electrode with a channel"),
         ("[{\"x\":0,\"y\":0,\"h\":1,\"v\":1}]", "is not OpenDrop's electrodes, line 1, column 26: missing field `e`"),
         ("[{\"x\":0,\"y\":0,\"h\":0,\"v\":1,\"e\":4}]", "without an area, channel 4"),
@@ -176,10 +176,10 @@ fn what_is_no_board_says_where() {
         ("<svg/>", "no electrode with a channel"),
         (
             "<svg>\n <path data-channels=\"x\" d=\"M 0 0 L 1 1\"/></svg>",
-            "a channel `x`, not 0 to 4095, line 2, column 2",
+            "a channel `x`, which is not from 0 to 4095, line 2, column 2",
         ),
-        ("<svg><path data-channels=\"4\" d=\"M 0 0\"/></svg>", "a path of `channel 4` that is no outline"),
-        ("<svg><path data-channels=\"4\" id=\"e\"/></svg>", "a path of `e` that is no outline"),
+        ("<svg><path data-channels=\"4\" d=\"M 0 0\"/></svg>", "a path of `channel 4` that is not an outline"),
+        ("<svg><path data-channels=\"4\" id=\"e\"/></svg>", "a path of `e` that is not an outline"),
         (
             "<svg><g transform=\"rotate(3)\"><path data-channels=\"4\" d=\"M 0 0 L 1 1\"/></g></svg>",
             "other than `translate`",

@@ -174,7 +174,7 @@ impl<'a> StopJudge<'a> {
             Some(modules) => format!("; {modules} modules a side would reach it"),
             None => {
                 let reach_um = 2.0 * self.facts.gain * self.facts.stroke_um * std::f64::consts::SQRT_2;
-                format!("; no number of modules reaches beyond {}, a larger stroke or gain would", length(reach_um))
+                format!("; no number of modules reaches beyond {}, but a larger stroke or gain would", length(reach_um))
             }
         }
     }
@@ -240,7 +240,7 @@ impl<'a> StopJudge<'a> {
             DimibotObstacleBody::Cells { .. } => "this cell is covered".to_owned(),
             DimibotObstacleBody::Solid { shape, pose } => match clearance_um(shape, pose, stop.cell, self.facts) {
                 inside if inside <= 0.0 => format!("{} inside its rim", length(-inside)),
-                clear => format!("{} from its rim, tip and repeatability need more than {growth}", length(clear)),
+                clear => format!("{} from its rim; tip and repeatability need more than {growth}", length(clear)),
             },
         };
         let free = self.nearest_free(stop.cell).map(|cell| {

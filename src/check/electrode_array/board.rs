@@ -134,19 +134,19 @@ fn keeps_apart(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut S
         sink.push(
             device.labelled(
                 wrong,
-                [DeviceLabel::field("separation", "too near"), DeviceLabel::field("part", "this wide")],
+                [DeviceLabel::field("separation", "too small"), DeviceLabel::field("part", "this wide")],
             ),
         );
     } else if apart < by_pull {
         let wrong = errors::parts_pulled(apart, by_pull);
-        sink.push(device.labelled(wrong, [DeviceLabel::field("separation", "too near")]));
+        sink.push(device.labelled(wrong, [DeviceLabel::field("separation", "too small")]));
     }
     if facts.clearance < beyond(half) {
         let wrong = errors::obstacle_under_body(facts.clearance, half, beyond(half));
         sink.push(
             device.labelled(
                 wrong,
-                [DeviceLabel::field("clearance", "too near"), DeviceLabel::field("part", "this wide")],
+                [DeviceLabel::field("clearance", "too small"), DeviceLabel::field("part", "this wide")],
             ),
         );
     }

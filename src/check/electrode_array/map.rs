@@ -36,7 +36,7 @@ pub fn sides(device: &CheckedDevice, sink: &mut Sink) -> Option<[u32; 2]> {
     for (name, side) in [("columns", board.columns), ("rows", board.rows)] {
         let other = given(name).filter(|given| *given != side && stands_beside_map(name, device));
         if let Some(given) = other {
-            let labels = [DeviceLabel::field(name, "another number"), DeviceLabel::field("map", "than in this file")];
+            let labels = [DeviceLabel::field(name, "differs from the file"), DeviceLabel::field("map", "this file")];
             sink.push(device.labelled(errors::side_of_map(name, given, board), labels));
             return None;
         }
@@ -121,7 +121,7 @@ fn channels(
 ) -> Option<Vec<Option<u32>>> {
     if rows.len() != facts.rows as usize {
         let labels =
-            [DeviceLabel::field("channels", count(rows.len(), "row")), DeviceLabel::field("rows", "as many as here")];
+            [DeviceLabel::field("channels", count(rows.len(), "row")), DeviceLabel::field("rows", "must match this")];
         sink.push(device.labelled(errors::rows_of_map(rows.len(), facts.rows), labels));
         return None;
     }
@@ -132,7 +132,7 @@ fn channels(
         if cells.len() != facts.columns as usize {
             let labels = [
                 DeviceLabel::cell(row.span, format!("row {number}")),
-                DeviceLabel::field("columns", "as many as here"),
+                DeviceLabel::field("columns", "must match this"),
             ];
             sink.push(device.labelled(errors::row_of_map(number, cells.len(), facts.columns), labels));
             return None;

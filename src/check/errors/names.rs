@@ -22,16 +22,16 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
         None => diagnostic.help_if(match sort {
             _ if name.contains('.') => None,
             DeclarationSort::Let if is_function(name) => {
-                Some(format!("arguments stand in round brackets: write `{name}(…)`"))
+                Some(format!("arguments go in round brackets: write `{name}(…)`"))
             }
             DeclarationSort::Let if matches!(name, "pi" | "Pi" | "PI") => {
                 Some("angles have units: write `180 deg`, or `3.14159265 rad`".to_owned())
             }
             DeclarationSort::Let if Unit::parse(name).is_ok() => {
-                Some(format!("a unit stands behind a number: write `1 {name}`"))
+                Some(format!("a unit follows a number: write `1 {name}`"))
             }
             DeclarationSort::Let => {
-                Some(format!("values are named at the top of a file, `let {name} = …`, or as parameters of a task"))
+                Some(format!("define it at the top of a file, `let {name} = …`, or make it a parameter of a task"))
             }
             DeclarationSort::Device => {
                 Some(format!("declare it: `device {name} : KIND {{ … }}`; `tweeze devices` lists the kinds"))
@@ -40,7 +40,7 @@ pub fn unknown_name(span: Span, name: &str, sort: DeclarationSort, near: Option<
                 Some(format!("declare it: `instrument {name} : FAMILY {{ … }}`; `tweeze devices` lists the families"))
             }
             DeclarationSort::Output => Some(format!(
-                "declare it: `output {name} : digital`, which is `set`, or `output {name} : trigger {{ duration: 5 ms }}`, which is pulsed"
+                "declare it: `output {name} : digital` for `set`, or `output {name} : trigger {{ duration: 5 ms }}` for `pulse`"
             )),
             DeclarationSort::Scene if matches!(name, "None" | "none" | "null" | "nothing" | "empty") => {
                 Some(format!("leave `in {name}` out: without it there are no obstacles"))
@@ -58,7 +58,7 @@ pub fn object_for_place(span: Span, noun: &str, declared: &Ident) -> Diagnostic 
     Diagnostic::new(Code::E0201, format!("`{name}` is {} of a scene, not a value", with_article(noun)))
         .label(span, "a value belongs here")
         .label_elsewhere(declared.span, span, "declared here")
-        .help("an object's name does not stand for where it is: write the cell or the place, as `(10, 6)`")
+        .help("an object's name does not stand for its position: write the cell or the place, as `(10, 6)`")
 }
 
 /// Help that lists what a used file declares; `None` if that is nothing.
@@ -92,7 +92,7 @@ pub fn unknown_function(span: Span, name: &str, near: Option<&str>) -> Diagnosti
 pub fn index_in_round_brackets(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0201, format!("`{name}` is a value, not a function"))
         .label(span, "followed by round brackets")
-        .help(format!("an index stands in `[ ]`, counted from 0: the first is `{name}[0]`"))
+        .help(format!("write an index in `[ ]`, counted from 0: the first element is `{name}[0]`"))
 }
 
 pub fn unknown_shape(span: Span, name: &str, near: Option<&str>) -> Diagnostic {
@@ -117,10 +117,10 @@ fn shape_synonym(name: &str) -> Option<&'static str> {
 
 /// A file's name alone, where one of the names in the file belongs.
 pub fn file_for_value(span: Span, name: &str, used: Span, sort: DeclarationSort) -> Diagnostic {
-    Diagnostic::new(Code::E0206, format!("`{name}` is a used file, {} belongs here", sort.describe()))
-        .label(span, format!("{} belongs here", sort.describe()))
-        .label(used, "used here")
-        .help(format!("name one of that file, as `{name}.…`"))
+    Diagnostic::new(Code::E0206, format!("`{name}` is an imported file, but {} is expected here", sort.describe()))
+        .label(span, format!("{} is expected here", sort.describe()))
+        .label(used, "imported here")
+        .help(format!("name one from that file, as in `{name}.…`"))
 }
 
 /// A base that is neither a declaration of the sort nor one of its kinds or families.
@@ -144,9 +144,9 @@ pub fn unknown_base(span: Span, name: &str, sort: DeclarationSort, near: Option<
 pub fn file_used_as(path: &Path, alias: &str, used: Span) -> Diagnostic {
     let words: Vec<&str> = path.segments.iter().skip(1).map(|segment| segment.name.text.as_str()).collect();
     let file = &path.segments[0];
-    Diagnostic::new(Code::E0201, format!("no file is used here as `{}`", file.name.text))
+    Diagnostic::new(Code::E0201, format!("no file is imported as `{}`", file.name.text))
         .label(file.span, "not the name of a `use`")
-        .label(used, format!("it is used as `{alias}`"))
+        .label(used, format!("imported as `{alias}`"))
         .help(format!("write `{alias}.{}`", words.join(".")))
         .mended_here(alias)
 }
@@ -162,28 +162,30 @@ pub fn unknown_file(path: &Path, sort: DeclarationSort, near: Option<&str>) -> D
         (None, Some(file)) => format!("use std.{file} as {alias}"),
         (None, None) => format!("use \"{alias}.twz\""),
     };
-    let mend = format!("a name before a dot is a used file: write `{file}` at the top");
-    Diagnostic::new(Code::E0201, format!("no file is used here as `{alias}`"))
+    let mend = format!("the name before a dot must be an imported file: write `{file}` at the top");
+    Diagnostic::new(Code::E0201, format!("no file is imported as `{alias}`"))
         .label(span, "not the name of a `use`")
         .near_or(near, mend)
 }
 
 pub fn shape_without_fields(span: Span, form: ShapeForm) -> Diagnostic {
     let fields: Vec<String> = form.fields().iter().map(|field| format!("{}: …", field.name)).collect();
-    Diagnostic::new(Code::E0401, format!("a {} without its fields", form.name()))
-        .label(span, "how large?")
-        .help(format!("write `{} {{ {} }}`", form.name(), fields.join(", ")))
+    Diagnostic::new(Code::E0401, format!("`{}` lacks its fields", form.name())).label(span, "how large?").help(format!(
+        "write `{} {{ {} }}`",
+        form.name(),
+        fields.join(", ")
+    ))
 }
 
 pub fn declared_twice(name: &str, span: Span, earlier: Span) -> Diagnostic {
     Diagnostic::new(Code::E0202, format!("`{name}` is declared twice"))
         .label(span, "declared again here")
         .label(earlier, "first declared here")
-        .help("a name is declared once in a file; no inner block declares it again")
+        .help("a name may be declared only once in a file, inner blocks included")
 }
 
 pub fn kept_name(name: &Ident, keeper: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0203, format!("`{}` is {keeper} and keeps its name", name.text))
+    Diagnostic::new(Code::E0203, format!("`{}` is reserved: it names {keeper}", name.text))
         .label(name.span, "cannot be declared")
         .help(format!("choose another name, as `my_{}`", name.text))
 }
@@ -194,18 +196,18 @@ pub fn unusable_file(span: Span, path: &str, fault: &FileFault, chain: &[String]
         (FileFault::NoSurface(why), _) => return super::bad_mesh(span, path, why),
         (FileFault::NotText(why), _) => (why, "save it as text in UTF-8".to_owned()),
         (FileFault::LongMesh(why), _) => {
-            (why, "write the solid with fewer triangles: some 100,000 are that long".to_owned())
+            (why, "write the solid with fewer triangles: about 100,000 reach this length".to_owned())
         }
         (FileFault::Unread(why), [_, _, ..]) => (why, format!("it is used by {}", chain.join(" → "))),
-        (FileFault::Unread(why), [_] | []) => (why, "the path starts at the folder of this file".to_owned()),
+        (FileFault::Unread(why), [_] | []) => (why, "the path is relative to the folder of this file".to_owned()),
     };
     Diagnostic::new(Code::E0204, format!("`{path}` cannot be used: {why}")).label(span, "used here").help(help)
 }
 
 /// `use "std.dimibot"`, `use "dimibot.twz"`: a file of the library in quotes.
 pub fn library_in_quotes(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0204, "a file of the standard library in quotes")
-        .label(span, "quotes hold the path of a file of yours")
+    Diagnostic::new(Code::E0204, "a file of the standard library is named in quotes")
+        .label(span, "quotes are for the path of a file of your own")
         .help(format!("write `use std.{name}`"))
         .mended_here(format!("std.{name}"))
 }
@@ -217,40 +219,42 @@ pub fn unknown_library(span: Span, name: &str, near: Option<&str>, known: &[&str
         if known.contains(&file) {
             return finding.help(format!("write `use {file}`: its files have no extension")).mended_here(file);
         }
-        return finding.help(format!("write `use \"{name}\"` for a file of yours")).mended_here(format!("\"{name}\""));
+        return finding
+            .help(format!("write `use \"{name}\"` for a file of your own"))
+            .mended_here(format!("\"{name}\""));
     }
     finding.near_or(near, format!("the standard library has {}", listed(known.iter().copied())))
 }
 
 pub fn braces_in_use(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0204, "the file of a `use` is named by braces")
+    Diagnostic::new(Code::E0204, "the file name of a `use` contains braces")
         .label(span, "not known before the file is read")
-        .help("write the file's name out: `use \"bench.twz\"`")
+        .help("write the file name in full: `use \"bench.twz\"`")
 }
 
 pub fn file_without_name(span: Span, path: &str, stem: &str) -> Diagnostic {
     let name: String = stem.chars().map(|c| if c.is_alphanumeric() || c == '_' { c } else { '_' }).collect();
-    Diagnostic::new(Code::E0110, format!("`{stem}` cannot be a name, and the `use` gives it no other"))
-        .label(span, "what is it called here?")
+    Diagnostic::new(Code::E0110, format!("`{stem}` is not a valid name, and the `use` gives no other"))
+        .label(span, "a name is needed here")
         .help(format!("give it a name: `use \"{path}\" as my_{name}`"))
 }
 
 pub fn kept_file_name(span: Span, name: &str, keeper: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0203, format!("`{name}` is {keeper} and keeps its name"))
+    Diagnostic::new(Code::E0203, format!("`{name}` is reserved: it names {keeper}"))
         .label(span, "cannot name a file")
-        .help(format!("give the file another name with `as`, as `as my_{name}`"))
+        .help(format!("give the file another name: `as my_{name}`"))
 }
 
 /// `uses` are the other `use`s of the cycle in order, each with the file that it names.
 pub fn import_cycle(span: Span, name: &str, uses: &[(Span, &str)]) -> Diagnostic {
     let names = uses.iter().map(|(_, name)| *name);
     let chain: Vec<&str> = std::iter::once(name).chain(names).chain([name]).collect();
-    let diagnostic = Diagnostic::new(Code::E0205, format!("`{name}` uses itself: {}", chain.join(" → ")))
-        .label(span, "this closes the circle");
+    let diagnostic = Diagnostic::new(Code::E0205, format!("`{name}` imports itself: {}", chain.join(" → ")))
+        .label(span, "this closes the cycle");
     let labelled = uses
         .iter()
-        .fold(diagnostic, |diagnostic, (span, name)| diagnostic.label(*span, format!("`{name}` is used here")));
-    labelled.help("move what the files need of each other into one that uses none of them")
+        .fold(diagnostic, |diagnostic, (span, name)| diagnostic.label(*span, format!("`{name}` is imported here")));
+    labelled.help("move what the files share into a file that imports none of them")
 }
 
 pub fn too_many_files(span: Span, limit: usize) -> Diagnostic {
@@ -259,29 +263,29 @@ pub fn too_many_files(span: Span, limit: usize) -> Diagnostic {
 
 pub fn wrong_sort(path: &Path, found: Declaration, wanted: &str) -> Diagnostic {
     let name = path_text(path);
-    Diagnostic::new(Code::E0206, format!("`{name}` is {}, {wanted} belongs here", found.sort.describe()))
-        .label(path.span, format!("{} belongs here", wanted))
+    Diagnostic::new(Code::E0206, format!("`{name}` is {}, but {wanted} is expected here", found.sort.describe()))
+        .label(path.span, format!("{wanted} is expected here"))
         .label(found.span, "declared here")
 }
 
 pub fn indexed_name(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0206, "an index where a declared name belongs")
+    Diagnostic::new(Code::E0206, "a declared name is expected here, without an index")
         .label(span, "devices, scenes, tasks and programs have no indices")
         .help("declare it under a name of its own")
 }
 
 /// `at` is where the value is used in its own evaluation.
 pub fn defined_by_itself(name: &str, declared: Span, at: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0207, format!("`{name}` is defined by itself"))
+    Diagnostic::new(Code::E0207, format!("`{name}` is defined in terms of itself"))
         .label(at, format!("this needs `{name}` again"))
         .label_elsewhere(declared, at, format!("`{name}` is declared here"))
-        .help("break the circle: one of its members must do without the others")
+        .help("break the cycle: define one of its members without the others")
 }
 
 pub fn too_deep(span: Span, what: &str, limit: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0207, format!("more than {limit} {what} hang on one another"))
+    Diagnostic::new(Code::E0207, format!("{what} are nested more than {limit} deep"))
         .label(span, "one too many")
-        .help("let some of them start from one further up")
+        .help("use fewer levels")
 }
 
 pub fn unknown_verb(span: Span, verb: &str, vocabulary: &Vocabulary, near: Option<&str>) -> Diagnostic {
@@ -296,8 +300,8 @@ pub fn unknown_verb(span: Span, verb: &str, vocabulary: &Vocabulary, near: Optio
     known.dedup();
     let besides = besides_words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
     let list = match vocabulary.nouns.iter().any(|noun| noun.name == verb) {
-        true => format!("objects belong in a scene, `scene bench {{ {verb} … }}`, and the task runs `in bench`"),
-        false => format!("{kind} can {}; besides there are {besides} and the settings", listed(known.iter().copied())),
+        true => format!("declare objects in a scene, `scene bench {{ {verb} … }}`, and run the task `in bench`"),
+        false => format!("{kind} can {}; also available are {besides} and the settings", listed(known.iter().copied())),
     };
     let own = known.iter().chain(besides_words).copied().find(|own| own.eq_ignore_ascii_case(verb));
     // The word itself is no suggestion: it exists, but in another form.
@@ -345,7 +349,7 @@ pub fn setting_without_colon(name: &Ident) -> Diagnostic {
 /// `start (1, 1)`.
 pub fn start_without_at(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0509, "`start` lacks `at`")
-        .label(span, "`at` belongs behind this")
+        .label(span, "`at` belongs after this")
         .help("write `start at (3, 3)`")
         .mended(span.after(), " at")
 }
@@ -361,7 +365,7 @@ pub fn setting_with_colon(name: &Ident) -> Diagnostic {
     };
     Diagnostic::new(Code::E0119, format!("`{}` takes no `:`", name.text))
         .label(name.span, "a setting, not a field")
-        .help(format!("leave the colon out, as in `{example}`"))
+        .help(format!("remove the colon, as in `{example}`"))
 }
 
 pub fn maximized(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
@@ -373,13 +377,13 @@ pub fn maximized(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
 }
 
 pub fn second_objective(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0208, "a second objective")
-        .label(span, "a task minimizes one figure")
+    Diagnostic::new(Code::E0208, "a task takes only one objective")
+        .label(span, "a second objective")
         .help("limit the others, as in `require energy <= 2 mJ`; ties are broken by the other figures anyway")
 }
 
 pub fn then_before_step(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0208, "`then` is not of the language")
+    Diagnostic::new(Code::E0208, "`then` is not a word of the language")
         .label(span, "not a verb")
         .help("leave it out: steps follow each other in the order in which they are written")
 }
@@ -437,13 +441,13 @@ fn noun_synonym(noun: &str) -> Option<&'static str> {
 pub fn unused(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {
     Diagnostic::new(Code::W0201, format!("{} `{name}` is never used", sort.name()))
         .label(span, "declared here")
-        .help("use it or take it out")
+        .help("use it or remove it")
 }
 
 pub fn unused_file(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::W0202, format!("nothing of file `{name}` is used"))
-        .label(span, "brought in here")
-        .help("take the `use` out")
+    Diagnostic::new(Code::W0202, format!("nothing from file `{name}` is used"))
+        .label(span, "imported here")
+        .help("remove the `use`")
 }
 
 pub fn never_run(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {
@@ -454,19 +458,19 @@ pub fn never_run(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {
 
 pub fn never_run_with_parameters(span: Span, sort: DeclarationSort, name: &str) -> Diagnostic {
     Diagnostic::new(Code::W0502, format!("{} `{name}` has parameters and is never run", sort.name()))
-        .label(span, "nothing gives it arguments")
+        .label(span, "no program runs it with arguments")
         .help(format!("add a program: `program all {{ run {name}(…) }}`"))
 }
 
 /// An object of a scene where one of another noun belongs.
 pub fn object_of_other_noun(span: Span, name: &str, noun: &str, found: (&str, Span)) -> Diagnostic {
-    let title = format!("`{name}` is {}, {} belongs here", with_article(found.0), with_article(noun));
+    let title = format!("`{name}` is {}, but {} is expected here", with_article(found.0), with_article(noun));
     Diagnostic::new(Code::E0211, title)
         .label(span, format!("not {}", with_article(noun)))
-        .label(found.1, format!("{} by this", with_article(found.0)))
+        .label(found.1, format!("declared here as {}", with_article(found.0)))
         .help(match (found.0, noun) {
             ("obstacle", "part" | "robot") => format!("if it can be moved, declare it as `{noun} {name} at …`"),
-            _ => format!("name {}, as `{noun} NAME at …` declares it in the scene", with_article(noun)),
+            _ => format!("name {}, declared in the scene as `{noun} NAME at …`", with_article(noun)),
         })
 }
 
@@ -474,7 +478,7 @@ pub fn unknown_object(span: Span, object: &ObjectName, near: Option<&str>, scene
     let ObjectName { noun, name, word } = object;
     let title = match scene {
         Some(_) => format!("the scene of this task has no {noun} `{name}`"),
-        None => format!("this task has no scene, and no {noun} `{name}`"),
+        None => format!("this task has no scene, and so no {noun} `{name}`"),
     };
     let diagnostic = Diagnostic::new(Code::E0211, title).label(span, "no such object");
     match (near, scene) {
@@ -483,7 +487,7 @@ pub fn unknown_object(span: Span, object: &ObjectName, near: Option<&str>, scene
             let at = if *noun == "robot" { "pose(0 um, 0 um, 90 deg)" } else { "(5, 3)" };
             diagnostic.help(format!("declare it in the scene: `{noun} {name} at {at}`"))
         }
-        (None, None) => diagnostic.help("say in which scene the task runs, as `task swap on plate in tray`"),
+        (None, None) => diagnostic.help("name the scene of the task, as in `task swap on plate in tray`"),
     }
 }
 
@@ -491,7 +495,7 @@ pub fn too_many_objects(span: Span, noun: &str, count: usize, most: usize) -> Di
     Diagnostic::new(Code::E0522, format!("{count} {noun}s in a scene; at most {most} are allowed"))
         .label(span, "one too many")
         .help(match noun {
-            "obstacle" => "make blocks of them, as `obstacle wall : cells { from: (20, 20), to: (23, 23) }`",
+            "obstacle" => "combine them into blocks, as in `obstacle wall : cells { from: (20, 20), to: (23, 23) }`",
             _ => "divide the work among several boards",
         })
 }

@@ -12,7 +12,7 @@ pub fn no_angle(span: Span, found: &Value) -> Diagnostic {
 }
 
 pub fn no_unit_quaternion(span: Span, numbers: [f64; 4], norm: f64) -> Diagnostic {
-    let title = format!("a quaternion of length {}; an orientation has length 1", digits(norm));
+    let title = format!("the length of the quaternion is {}, but must be 1", digits(norm));
     let diagnostic = Diagnostic::new(Code::E0307, title).label(span, "no orientation");
     if norm == 0.0 || !norm.is_finite() {
         return diagnostic.help("write w, x, y and z: `quaternion(1, 0, 0, 0)` turns nothing");
@@ -23,28 +23,28 @@ pub fn no_unit_quaternion(span: Span, numbers: [f64; 4], norm: f64) -> Diagnosti
 
 pub fn angle_name_taken(span: Span, earlier: Span) -> Diagnostic {
     Diagnostic::new(Code::E0202, "`t` is declared twice: a curve has its own")
-        .label(span, "here it is the angle that goes once round")
+        .label(span, "in a curve, the angle that goes once round")
         .label(earlier, "declared here")
         .help("give the other one another name")
 }
 
 pub fn mesh_file_not_plain(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0553, "the name of a mesh file must be a string in quotes in the mesh's own declaration")
-        .label(span, "not such a name")
+        .label(span, "not a plain string")
         .help("write the name itself, in a `let` or in a scene: `mesh { file: \"bead.stl\", unit: 1 um }`")
 }
 
 pub fn board_file_not_plain(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0430, "the name of a file of electrodes must be a string in quotes in the device itself")
-        .label(span, "not such a name")
+        .label(span, "not a plain string")
         .help("write the name itself: `map: \"board.json\"`")
 }
 
 /// A file that does not describe a board.
 pub fn bad_board(span: Span, path: &str, why: &str) -> Diagnostic {
     Diagnostic::new(Code::E0430, format!("`{path}` {why}")).label(span, "used here").help(
-        "name a board definition of PurpleDrop, the electrodes.json of OpenDrop's program, or a device file of MicroDrop; other boards are \
-         written out as `channels`",
+        "use a board definition of PurpleDrop, the electrodes.json of OpenDrop's program, or a device file of MicroDrop; write other boards \
+         out as `channels`",
     )
 }
 
@@ -52,5 +52,5 @@ pub fn bad_board(span: Span, path: &str, why: &str) -> Diagnostic {
 pub fn bad_mesh(span: Span, path: &str, why: &str) -> Diagnostic {
     Diagnostic::new(Code::E0553, format!("`{path}` {why}"))
         .label(span, "used here")
-        .help("write the file anew from a solid: one closed surface round its origin, as STL, in text or binary; triangles meet where their corners are equal to the last digit")
+        .help("export the file again from a solid: one closed surface around its origin, as text or binary STL; triangles meet where their corners are equal to the last digit")
 }

@@ -53,7 +53,7 @@ pub fn off_lattice(span: Span, off: &str, precision: &str, help: String) -> Diag
 }
 
 pub fn word_of_wrong_width(span: Span, found: u32, left: u32, right: u32, device: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0504, format!("a word of {found} digits for a robot of {} modules", left + right))
+    Diagnostic::new(Code::E0504, format!("a word has {found} digits, but the robot has {} modules", left + right))
         .label(span, format!("`{device}` has {left} modules on the left and {right} on the right"))
         .help(format!("write bl{}..bl0 and then br{}..br0, {left} + {right} digits", left - 1, right - 1))
 }
@@ -63,23 +63,23 @@ pub fn precision_beyond_robot(span: Span, precision: &str, repeatability: &str) 
         Code::E0506,
         format!("precision {precision} is finer than the repeatability of the robot, {repeatability}"),
     )
-    .label(span, "finer than the robot")
-    .help(format!("ask for {repeatability} or more, or give the device the repeatability that was measured"))
+    .label(span, "finer than the robot repeats")
+    .help(format!("use {repeatability} or more, or give the device its measured repeatability"))
 }
 
 pub fn two_things_at_once(device: &str, first: Span, second: Span) -> Diagnostic {
-    let diagnostic = Diagnostic::new(Code::E0508, format!("device `{device}` is asked for two things at once"));
+    let diagnostic = Diagnostic::new(Code::E0508, format!("device `{device}` is used twice at the same time"));
     diagnostic
         .label(second, "runs at the same time")
         .label_elsewhere(first, second, "busy here")
-        .help("let one follow the other: take one of them out of `together`")
+        .help("run one after the other: move one of them out of `together`")
 }
 
 pub fn devices_of_one_name(device: &str, first: Span, second: Span) -> Diagnostic {
     Diagnostic::new(Code::E0508, format!("two devices named `{device}` in one schedule"))
         .label(second, "runs one of them")
         .label_elsewhere(first, second, "runs the other")
-        .help("channels are named after their device: give one of the two another name")
+        .help("rename one of the two: channels are named after their device")
 }
 
 pub fn missing_part(span: Span, verb: &Verb, part: &str) -> Diagnostic {
@@ -95,31 +95,28 @@ pub fn missing_preposition(span: Span, verb: &Verb, preposition: &str) -> Diagno
 }
 
 pub fn unexpected_part(span: Span, verb: &Verb, part: &str) -> Diagnostic {
-    Diagnostic::new(
-        Code::E0509,
-        format!("`{}` takes no such {}", verb.name, part.trim_start_matches("an ").trim_start_matches("a ")),
-    )
-    .label(span, "does not belong here")
-    .help(format!("write `{}`", verb.example))
+    Diagnostic::new(Code::E0509, format!("`{}` does not take {part}", verb.name))
+        .label(span, "does not belong here")
+        .help(format!("write `{}`", verb.example))
 }
 
 /// A word before the object that is not the verb's.
 pub fn wrong_noun(noun: &Ident, verb: &Verb, own: &str, near: Option<&str>) -> Diagnostic {
     Diagnostic::new(Code::E0509, format!("`{}` takes a `{own}`, not a `{}`", verb.name, noun.text))
-        .label(noun.span, format!("`{own}` belongs here"))
+        .label(noun.span, format!("`{own}` is expected here"))
         .near_or(near, format!("write `{}`", verb.example))
 }
 
 /// Something in a verb's braces that is not an entry.
 pub fn no_entry(span: Span, verb: &Verb) -> Diagnostic {
-    Diagnostic::new(Code::E0509, format!("this is no entry of `{}`", verb.name))
+    Diagnostic::new(Code::E0509, format!("this is not an entry of `{}`", verb.name))
         .label(span, "an object and its prepositions belong here, without a verb")
         .help(format!("write `{}`", verb.example))
 }
 
 pub fn unknown_preposition(preposition: &Ident, verb: &Verb, taken: &[VocabularyPhrase]) -> Diagnostic {
     let known = listed(taken.iter().map(|phrase| phrase.preposition));
-    Diagnostic::new(Code::E0509, format!("`{}` does not go with `{}`", verb.name, preposition.text))
+    Diagnostic::new(Code::E0509, format!("`{}` does not take `{}`", verb.name, preposition.text))
         .label(preposition.span, "not understood here")
         .help(match taken {
             [] => format!("write it as in `{}`", verb.example),
@@ -128,21 +125,21 @@ pub fn unknown_preposition(preposition: &Ident, verb: &Verb, taken: &[Vocabulary
 }
 
 pub fn preposition_twice(preposition: &Ident, earlier: Span, verb: &Verb) -> Diagnostic {
-    Diagnostic::new(Code::E0509, format!("`{}` stands twice in one `{}`", preposition.text, verb.name))
+    Diagnostic::new(Code::E0509, format!("`{}` is given twice in one `{}`", preposition.text, verb.name))
         .label(preposition.span, "again here")
         .label(earlier, "first here")
         .help("write two steps, one below the other")
 }
 
 pub fn setting_after_step(name: &Ident, step: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0510, format!("setting `{}` stands after a step", name.text))
+    Diagnostic::new(Code::E0510, format!("setting `{}` is written after a step", name.text))
         .label(name.span, "settings come first")
         .label(step, "the first step")
-        .help(format!("move `{}` above the first step: it holds for the whole task", name.text))
+        .help(format!("move `{}` above the first step: it applies to the whole task", name.text))
 }
 
 pub fn setting_in_loop(name: &Ident) -> Diagnostic {
-    Diagnostic::new(Code::E0510, format!("setting `{}` stands in a `for`", name.text))
+    Diagnostic::new(Code::E0510, format!("setting `{}` is written in a `for`", name.text))
         .label(name.span, "a setting is given once")
         .help("move it out of the `for`, to the top of the task")
 }
@@ -151,11 +148,11 @@ pub fn setting_twice(name: &Ident, earlier: Span) -> Diagnostic {
     Diagnostic::new(Code::E0510, format!("setting `{}` is given twice", name.text))
         .label(name.span, "given again here")
         .label(earlier, "first given here")
-        .help("leave one of the two out")
+        .help("remove one of the two")
 }
 
 pub fn bad_setting_form(span: Span, head: &str, example: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0509, format!("`{head}` takes one thing"))
+    Diagnostic::new(Code::E0509, format!("`{head}` takes one value"))
         .label(span, format!("expected `{head}` and one value"))
         .help(format!("write `{head} {example}`"))
 }
@@ -167,7 +164,7 @@ pub fn bad_output_step(step: &Step, form: &str) -> Diagnostic {
         _ => "the name of an output, `to`, and a level",
     };
     Diagnostic::new(Code::E0509, format!("`{}` takes {words}", step.head.text))
-        .label(step.span, "incomplete, or too much")
+        .label(step.span, "incomplete or too long")
         .help(format!("write `{form}`"))
 }
 
@@ -176,18 +173,18 @@ pub fn pulse_of_level(span: Span, name: &str, declared: Span, is_graded: bool) -
         true => ("level", ["60 %", "0 %"]),
         false => ("digital", ["high", "low"]),
     };
-    Diagnostic::new(Code::E0556, format!("`{name}` gives no pulses"))
-        .label(span, "for outputs of the sort `trigger`")
-        .label(declared, format!("one of the sort `{sort}`"))
+    Diagnostic::new(Code::E0556, format!("`{name}` cannot be pulsed"))
+        .label(span, "`pulse` is for outputs of the sort `trigger`")
+        .label(declared, format!("an output of the sort `{sort}`"))
         .help(format!(
             "write `set {name} to {first}` and later `set {name} to {second}`, or declare it `: trigger {{ duration: 5 ms }}`"
         ))
 }
 
 pub fn level_of_trigger(step: &Step, name: &str, declared: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0556, format!("`{name}` has no level to be set"))
-        .label(step.head.span, "for outputs of the sort `digital`")
-        .label(declared, "one of the sort `trigger`")
+    Diagnostic::new(Code::E0556, format!("`{name}` has no level to set"))
+        .label(step.head.span, "`set` is for outputs of the sorts `digital` and `level`")
+        .label(declared, "an output of the sort `trigger`")
         .help(format!("write `pulse {name}`, or declare it `: digital`"))
         .mended(step.span, format!("pulse {name}"))
 }
@@ -196,19 +193,19 @@ pub fn level_of_trigger(step: &Step, name: &str, declared: Span) -> Diagnostic {
 pub fn bad_hold_step(step: &Step) -> Diagnostic {
     let (takes, help) = match step.head.text.as_str() {
         "prompt" => (
-            "`prompt` takes a text in quotes, and `for at most` a time if it is not to wait for ever",
+            "`prompt` takes a text in quotes; `for at most` and a time limit the wait",
             "write `prompt \"add the sample\"`",
         ),
         _ => (
-            "`wait until` takes an input, and `for at most` a time",
-            "write `wait until card.port0.line5 for at most 5 s` for a line of an instrument, or `wait until \"ready\" for at most 5 s` for what a command of yours reads",
+            "`wait until` takes an input, then `for at most` and a time",
+            "write `wait until card.port0.line5 for at most 5 s` for a line of an instrument, or `wait until \"ready\" for at most 5 s` for an input that your own command reads",
         ),
     };
-    Diagnostic::new(Code::E0509, takes).label(step.span, "incomplete, or too much").help(help)
+    Diagnostic::new(Code::E0509, takes).label(step.span, "incomplete or too long").help(help)
 }
 
 pub fn no_input(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0566, "this is no input")
+    Diagnostic::new(Code::E0566, "this is not an input")
         .label(span, "neither a line of an instrument nor a name in quotes")
         .help("write `wait until card.port0.line5 for at most 5 s`, or `wait until \"motion.digital-in-00\" …`")
 }
@@ -228,24 +225,24 @@ pub fn unknown_input(span: Span, name: &str, declared: Span, input: &str, known:
 }
 
 pub fn input_is_output(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0566, format!("`{name}` is an output of this program, and so no input"))
+    Diagnostic::new(Code::E0566, format!("`{name}` is an output of this program, so it cannot be an input"))
         .label(span, "a channel is wired to it")
         .help("wait for another line")
 }
 
 /// `require time >= 10 s` in a task whose duration depends on an input or a person.
 pub fn least_time_of_hold(span: Span, hold: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0567, "a least `time` for a task that may be done sooner")
-        .label(span, "cannot be promised")
-        .label(hold, "this wait ends when what it waits for has come")
-        .help("leave it out, or limit the time from above: the longest wait counts there")
+    Diagnostic::new(Code::E0567, "`time` has a lower limit, but the task may end sooner")
+        .label(span, "cannot be guaranteed")
+        .label(hold, "this wait ends as soon as its event occurs")
+        .help("leave it out, or set an upper limit, for which the longest wait counts")
 }
 
 /// A wait for an input or a person between the runs of a program.
 pub fn hold_in_program(head: &Ident) -> Diagnostic {
-    Diagnostic::new(Code::E0518, format!("`{}` in a program", head.text))
-        .label(head.span, "waits in a task")
-        .help("write it as a step of a task: at its beginning, or at its end")
+    Diagnostic::new(Code::E0518, format!("this `{}` belongs in a task, not in a program", head.text))
+        .label(head.span, "waits for an input or a person")
+        .help("write it as a step at the beginning or at the end of a task")
 }
 
 /// `high` or `low` for an output with levels between the two.
@@ -254,7 +251,7 @@ pub fn word_for_share(span: Span, name: &str, word: Level) -> Diagnostic {
         Level::Low => "0 %",
         Level::High => "100 %",
     };
-    Diagnostic::new(Code::E0311, format!("{name} must be a share of it, but this is `{}`", word.name()))
+    Diagnostic::new(Code::E0311, format!("{name} must be a share of its range, but this is `{}`", word.name()))
         .label(span, "a level of an output of the sort `digital`")
         .help(format!("write `{share}`"))
         .mended(span, share)
@@ -264,12 +261,12 @@ pub fn outputs_of_one_name(name: &str, declared: Span, earlier: Span) -> Diagnos
     Diagnostic::new(Code::E0202, format!("an output of another file is also named `{name}`"))
         .label(declared, "one of the two")
         .label_elsewhere(earlier, declared, "the other")
-        .help("channels are told apart by these names: give one another name")
+        .help("rename one of them: channels are distinguished by these names")
 }
 
 pub fn bad_start(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0509, "`start` takes `at` and a state")
-        .label(span, "incomplete, or too much")
+        .label(span, "incomplete or too long")
         .help("write `start at 0b10001_00010` or `start at (17, 2)`")
 }
 
@@ -282,7 +279,7 @@ pub fn wrong_argument_count(span: Span, form: &str, wanted: usize, found: usize,
     };
     let given = if found == 1 { "1 is".to_owned() } else { format!("{found} are") };
     let name = form.split('(').next().unwrap_or(form);
-    Diagnostic::new(Code::E0511, format!("`{name}` takes {arguments}, {given} given"))
+    Diagnostic::new(Code::E0511, format!("`{name}` takes {arguments}, but {given} given"))
         .label(span, "run here")
         .label(declared, "declared here")
         .help(format!("write `run {form}`"))
@@ -296,20 +293,20 @@ pub fn unknown_parameter_sort(sort: &Ident, near: Option<&str>, known: &[&str]) 
 
 pub fn too_many_runs(span: Span, limit: usize) -> Diagnostic {
     Diagnostic::new(Code::E0512, format!("more than {limit} runs and waits in one schedule"))
-        .label(span, "the limit is passed here")
+        .label(span, "the limit is exceeded here")
         .help("split the program into several")
 }
 
 pub fn too_many_steps(span: Span, limit: usize) -> Diagnostic {
     Diagnostic::new(Code::E0512, format!("more than {limit} steps of tasks in one schedule"))
-        .label(span, "the limit is passed here")
+        .label(span, "the limit is exceeded here")
         .help("split the program into several")
 }
 
 pub fn nothing_to_build(span: Span) -> Diagnostic {
     Diagnostic::new(Code::W0503, "the file declares no task")
         .label(span, "nothing to build here")
-        .help("a file of devices and scenes is used by others: `use \"this.twz\"`")
+        .help("a file of devices and scenes is imported by others: `use \"this.twz\"`")
 }
 
 pub fn no_such_task(name: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
@@ -341,7 +338,7 @@ pub fn bad_shape(span: Span, what: &str, why: &str, help: &str) -> Diagnostic {
 }
 
 pub fn shape_too_large(span: Span, limit: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0514, format!("an obstacle that reaches further than {limit}"))
+    Diagnostic::new(Code::E0514, format!("an obstacle reaches further than {limit}"))
         .label(span, "too far or too large")
         .help("check the unit: obstacles are given in micrometres, as `0.8 um`")
 }
@@ -377,15 +374,15 @@ fn odd_cell(found: &Value) -> Option<Vec<f64>> {
 }
 
 pub fn noun_of_other_kind(span: Span, noun: &str, kind: &str, known: &[&str]) -> Diagnostic {
-    Diagnostic::new(Code::E0210, format!("{} knows no `{noun}`", with_article(kind)))
+    Diagnostic::new(Code::E0210, format!("{} has no `{noun}`", with_article(kind)))
         .label(span, "not a noun of this device")
         .help(format!("its scenes may hold {}", listed(known.iter().copied())))
 }
 
 pub fn repeated_object(name: &str, span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0202, format!("`{name}` is declared again by each turn of the `for`"))
+    Diagnostic::new(Code::E0202, format!("each iteration of the `for` declares `{name}` again"))
         .label(span, "one name for several objects")
-        .help(format!("give it an index that the loop counts, as in `for i, p in places {{ … {name}[i] … }}`"))
+        .help(format!("give it an index counted by the loop, as in `for i, p in places {{ … {name}[i] … }}`"))
 }
 
 pub fn bad_requirement(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
@@ -399,14 +396,14 @@ pub fn limits_exclude(outcome: &str, earlier: Span, later: Span) -> Diagnostic {
     Diagnostic::new(Code::E0603, format!("no plan keeps both limits of `{outcome}`"))
         .label(later, "excludes the other")
         .label_elsewhere(earlier, later, "this one")
-        .help("leave one of the two out, or change one until some value keeps both")
+        .help("remove one of the two, or change one until some value keeps both")
 }
 
 pub fn unknown_outcome(span: Span, name: &str, near: Option<&str>, vocabulary: &Vocabulary) -> Diagnostic {
     let known = listed(vocabulary.outcomes.iter().map(|outcome| outcome.name));
     if vocabulary.objectives.iter().any(|objective| objective.name == name) {
         return Diagnostic::new(Code::E0516, format!("`{name}` can be minimized, but not required"))
-            .label(span, "not a figure that the verifier derives of a plan")
+            .label(span, "not a figure that the verifier derives from a plan")
             .help(format!("write `minimize {name}`, or require one of {known}"));
     }
     Diagnostic::new(Code::E0516, format!("a plan of {} has no `{name}`", with_article(vocabulary.name)))
@@ -424,7 +421,7 @@ pub fn unknown_planner(span: Span, name: &str, near: Option<&str>, vocabulary: &
 pub fn planner_cannot(span: Span, name: &str, what: &str, asked: Span) -> Diagnostic {
     Diagnostic::new(Code::E0520, format!("planner `{name}` cannot {what}"))
         .label(span, "chosen here")
-        .label_elsewhere(asked, span, "asked for here")
+        .label_elsewhere(asked, span, "requested here")
         .help("leave `using` out: Tweeze's own planner does it")
 }
 
@@ -440,7 +437,7 @@ pub fn bad_block_in_task(step: &Step) -> Diagnostic {
         "assay" => ("operations", "assay { move a to (6, 3), incubate a for 30 s, move b to (2, 3) }"),
         _ => ("goals", "together { move m1 to (26, 31), move m2 to (5, 3) }"),
     };
-    Diagnostic::new(Code::E0518, format!("`{}` wants a block of {what}", step.head.text))
+    Diagnostic::new(Code::E0518, format!("`{}` needs a block of {what}", step.head.text))
         .label(step.span, format!("no {what}"))
         .help(format!("write `{example}`"))
 }
@@ -472,13 +469,13 @@ pub fn assay_of_other_kind(span: Span, kind: &str) -> Diagnostic {
 pub fn no_start(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
     let nouns: Vec<&str> = vocabulary.nouns.iter().map(|noun| noun.name).filter(|noun| *noun != "obstacle").collect();
     let nouns = nouns.join(", ");
-    Diagnostic::new(Code::E0518, format!("a task of {} does not say where it starts", with_article(vocabulary.name)))
+    Diagnostic::new(Code::E0518, format!("a task of {} cannot set where it starts", with_article(vocabulary.name)))
         .label(span, "not in this task")
-        .help(format!("the scene says where each {nouns} stands, and later each stands where the last task left it"))
+        .help(format!("the scene places each {nouns}; after that, each starts where the last task left it"))
 }
 
 pub fn shape_of_other_kind(span: Span, shape: &str, noun: &str, kind: &str, known: &[&str]) -> Diagnostic {
-    Diagnostic::new(Code::E0514, format!("`{shape}` is no shape for the noun `{noun}` of the kind {kind}"))
+    Diagnostic::new(Code::E0514, format!("`{shape}` cannot be the shape of a `{noun}` of the kind {kind}"))
         .label(span, "not a shape of this noun")
         .help(format!("it may be {}", super::either(known)))
 }
@@ -486,19 +483,19 @@ pub fn shape_of_other_kind(span: Span, shape: &str, noun: &str, kind: &str, know
 pub fn run_in_task(span: Span, task: &str) -> Diagnostic {
     Diagnostic::new(Code::E0518, "a task cannot run another")
         .label(span, "not in a task")
-        .help(format!("runs belong into a program: `program all {{ run {task} }}`"))
+        .help(format!("put runs into a program: `program all {{ run {task} }}`"))
 }
 
 pub fn field_in_program(name: &Ident) -> Diagnostic {
     Diagnostic::new(Code::E0518, "a program has no settings")
         .label(name.span, "not in a program")
-        .help("settings belong into the tasks that are run")
+        .help("put settings into the tasks that it runs")
 }
 
 /// The name of a task without `run`.
 pub fn run_without_its_word(head: &Ident) -> Diagnostic {
     let name = &head.text;
-    Diagnostic::new(Code::E0518, format!("`{name}` is not run by its name alone"))
+    Diagnostic::new(Code::E0518, format!("`{name}` needs `run` before it"))
         .label(head.span, "a task, not a step")
         .help(format!("write `run {name}`"))
         .mended_here(format!("run {name}"))
@@ -507,15 +504,15 @@ pub fn run_without_its_word(head: &Ident) -> Diagnostic {
 /// `wait for 5 ms`.
 pub fn wait_for(preposition: Span, value: Span) -> Diagnostic {
     let blank = Span { end: value.start, ..preposition };
-    Diagnostic::new(Code::E0509, "`wait` takes a time alone")
+    Diagnostic::new(Code::E0509, "`wait` takes only a time")
         .label(preposition, "no `for` here")
-        .help("write the time behind `wait`, as in `wait 10 ms`")
+        .help("write the time directly after `wait`, as in `wait 10 ms`")
         .mended(blank, "")
 }
 
 pub fn unknown_program_step(head: &Ident, near: Option<&str>) -> Diagnostic {
     let list = match head.text.as_str() {
-        "pulse" | "set" => "outputs are switched by the steps of tasks: write it there".to_owned(),
+        "pulse" | "set" => "write it in a task: outputs are switched by the steps of tasks".to_owned(),
         _ => "a program has `run TASK`, `wait 5 ms` and `together { … }`".to_owned(),
     };
     Diagnostic::new(Code::E0518, format!("a program cannot `{}`", head.text))
@@ -525,13 +522,13 @@ pub fn unknown_program_step(head: &Ident, near: Option<&str>) -> Diagnostic {
 
 pub fn bad_together(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0509, "`together` takes a block")
-        .label(span, "incomplete, or too much")
+        .label(span, "incomplete or too long")
         .help("write `together { run A, run B }`")
 }
 
 pub fn bad_run(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0509, "`run` takes a task or a program")
-        .label(span, "incomplete, or too much")
+        .label(span, "incomplete or too long")
         .help("write `run fetch` or `run go((3, 9), 200 ms)`")
 }
 

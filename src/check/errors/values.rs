@@ -163,7 +163,7 @@ pub fn several_objects(wanted: &WantedName, noun: &str, span: Span) -> Diagnosti
     let help = match noun {
         "fluid" => "write a line for each, or a `for` over the list",
         _ if wanted.name.starts_with("`after`") => "write `after` before each",
-        _ => "write a step for each; `together { … }` does several at once, where the kind can",
+        _ => "write a step for each, or use `together { … }` where the device kind allows it",
     };
     wanted.declared_on(diagnostic).help(help)
 }
@@ -194,7 +194,8 @@ pub fn neither_count_nor_word(
 ) -> Diagnostic {
     let words = either(words);
     let title = format!("{} must be a whole number or {words}, but this is `{found}`", wanted.name);
-    let diagnostic = Diagnostic::new(Code::E0311, title).label(span, "no such word, and no value of this name");
+    let diagnostic =
+        Diagnostic::new(Code::E0311, title).label(span, "neither one of these words nor the name of a value");
     wanted.declared_on(diagnostic).near_or(near, format!("write a whole number, or {words}"))
 }
 
@@ -214,7 +215,7 @@ pub fn out_of_range(wanted: &WantedName, span: Span, found: &str, limit: &str) -
 }
 
 pub fn unlike_operands(symbol: &str, left: (Span, &Value), right: (Span, &Value)) -> Diagnostic {
-    let title = format!("`{symbol}` between {} and {}", left.1.describe(), right.1.describe());
+    let title = format!("cannot apply `{symbol}` to {} and {}", left.1.describe(), right.1.describe());
     Diagnostic::new(Code::E0302, title)
         .label(left.0, left.1.describe_fully())
         .label(right.0, right.1.describe_fully())
@@ -232,7 +233,7 @@ fn operand_help(left: &Value, right: &Value) -> Option<String> {
 }
 
 pub fn bad_operand(span: Span, symbol: &str, operand: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0302, format!("`{symbol}` before {}", found.describe()))
+    Diagnostic::new(Code::E0302, format!("cannot apply `{symbol}` to {}", found.describe()))
         .label(if span == operand { span } else { operand }, found.describe_fully())
 }
 
@@ -243,13 +244,13 @@ pub fn celsius_operand(span: Span, symbol: &str, found: &Value) -> Diagnostic {
         _ => "60".to_owned(),
     };
     let help = match symbol {
-        "-" | "abs" => "write the sign before the number, `-5 degC`; a difference of temperatures is in `K`",
+        "-" | "abs" => "write the sign before the number, as in `-5 degC`; a temperature difference is in `K`",
         _ => {
-            "write `degC` with the number itself, `let t = 60 degC` or `[60 degC, 95 degC]`, or count in kelvins from a temperature, `25 degC + n * 5 K`"
+            "write `degC` after the number itself, as in `let t = 60 degC` or `[60 degC, 95 degC]`, or add kelvins to a temperature, as in `25 degC + n * 5 K`"
         }
     };
-    Diagnostic::new(Code::E0302, format!("`{symbol}` of a temperature on the Celsius scale"))
-        .label(span, format!("{degrees} degC counts from a zero of its own"))
+    Diagnostic::new(Code::E0302, format!("cannot apply `{symbol}` to a temperature on the Celsius scale"))
+        .label(span, format!("{degrees} degC counts from the zero of the Celsius scale"))
         .help(help)
 }
 
@@ -259,17 +260,17 @@ pub fn sum_of_celsius(left: (Span, &Value), right: (Span, &Value)) -> Diagnostic
         Value::Quantity(quantity) => digits(quantity.in_unit(quantity::CELSIUS)),
         _ => "5".to_owned(),
     };
-    Diagnostic::new(Code::E0302, "`+` between two temperatures on the Celsius scale")
+    Diagnostic::new(Code::E0302, "cannot add two temperatures on the Celsius scale")
         .label(left.0, left.1.describe_fully())
         .label(right.0, right.1.describe_fully())
-        .help(format!("a difference of temperatures is in `K`: add `{difference} K`"))
+        .help(format!("a temperature difference is in `K`: add `{difference} K`"))
 }
 
 pub fn bad_exponent(span: Span, found: &Value) -> Diagnostic {
-    let title = "an exponent must be a whole number without a unit, where it or its base has one";
+    let title = "where the base or the exponent has a unit, the exponent must be a whole number without one";
     Diagnostic::new(Code::E0302, title)
         .label(span, found.describe_fully())
-        .help("powers of ten are written as `0.25e-6 m`; a quantity with a unit is raised to whole powers only, and `sqrt(x)` takes the square root")
+        .help("write powers of ten as in `0.25e-6 m`; a quantity with a unit can be raised only to whole powers, and `sqrt(x)` is its square root")
 }
 
 /// Units as spelt out in words, with the symbol that is meant.
@@ -307,11 +308,11 @@ const SPELT_OUT: [(&str, &str); 27] = [
 const WITHOUT_UNITS: [(&[&str], &str); 2] = [
     (
         &["l", "L", "ml", "mL", "ul", "uL", "µl", "µL", "nl", "nL", "pl", "pL"],
-        "volumes are counted in droplets as reservoirs dispense them: `require sample.volume <= 2`",
+        "give a volume in droplets as dispensed by a reservoir: `require sample.volume <= 2`",
     ),
     (
         &["mM", "uM", "µM", "nM", "mol", "mmol", "umol"],
-        "what a droplet contains is counted in shares of its fluids: `require sample.dye == 1 / 4`",
+        "give the content of a droplet as shares of its fluids: `require sample.dye == 1 / 4`",
     ),
 ];
 
@@ -332,8 +333,8 @@ pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
             .help(*counted);
     }
     if part == quantity::CELSIUS {
-        return Diagnostic::new(Code::E0303, "`degC` stands in no product of units")
-            .label(span, "its zero is not that of a product")
+        return Diagnostic::new(Code::E0303, "`degC` cannot be part of a product of units")
+            .label(span, "a scale with a zero of its own cannot be multiplied")
             .help("write `degC` alone, as in `60 degC`, and `K` for a difference of temperatures");
     }
     // Some mean millihertz or millipascals, others megahertz or megapascals.
@@ -344,16 +345,16 @@ pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
             .help(format!("write `M{base}` or `m{base}`"));
     }
     if part == "degF" {
-        return Diagnostic::new(Code::E0303, "temperatures in degrees Fahrenheit are not taken")
+        return Diagnostic::new(Code::E0303, "degrees Fahrenheit are not supported")
             .label(span, "not a unit")
-            .help("write them in `degC`: 100 degF are 37.8 degC");
+            .help("write temperatures in `degC`: 100 degF is 37.8 degC");
     }
     // `kg/m3`
     let letters = part.trim_end_matches(|c: char| c.is_ascii_digit());
     if letters.len() < part.len() && Unit::parse(letters).is_ok() {
         return Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
             .label(span, "unknown unit")
-            .help(format!("a power is written with `^`, as in `{letters}^{}`", &part[letters.len()..]));
+            .help(format!("write a power with `^`, as in `{letters}^{}`", &part[letters.len()..]));
     }
     Diagnostic::new(Code::E0303, format!("no unit is called `{part}`"))
         .label(span, "unknown unit")
@@ -362,21 +363,22 @@ pub fn unknown_unit(span: Span, part: &str, near: Option<&str>) -> Diagnostic {
 
 pub fn exponent_too_large(span: Span) -> Diagnostic {
     let limit = crate::quantity::MAX_EXPONENT;
-    Diagnostic::new(Code::E0303, format!("a unit with an exponent beyond {limit}")).label(span, "too large a power")
+    Diagnostic::new(Code::E0303, format!("the exponent of a unit must be from -{limit} to {limit}"))
+        .label(span, "too large a power")
 }
 
 pub fn not_finite(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0305, "a number too large to count with").label(span, "does not fit a double")
+    Diagnostic::new(Code::E0305, "a number is too large to represent").label(span, "out of the range of a double")
 }
 
 pub fn root_of_negative(span: Span, base: f64) -> Diagnostic {
-    Diagnostic::new(Code::E0305, "a negative number to a power that is not whole")
+    Diagnostic::new(Code::E0305, "a negative number cannot be raised to a fractional power")
         .label(span, format!("this is {base}"))
-        .help("no real number is its power: take the power of its size, `abs(…)`")
+        .help("no real number is the result: use its absolute value, `abs(…)`")
 }
 
 pub fn division_by_zero(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0305, "a division by zero").label(span, "this is 0")
+    Diagnostic::new(Code::E0305, "division by zero").label(span, "this is 0")
 }
 
 pub fn word_too_long(span: Span) -> Diagnostic {
@@ -396,19 +398,20 @@ pub fn not_in_text(span: Span, found: &Value) -> Diagnostic {
 }
 
 pub fn no_fields_on_values(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0304, "a value has no parts with names")
-        .label(span, "nothing to take out")
-        .help("a name before a dot is a used file; elements of a list are taken as `list[0]`")
+    Diagnostic::new(Code::E0304, "a value has no named parts")
+        .label(span, "no such part")
+        .help("the name before a dot must be an imported file; write `list[0]` for an element of a list")
 }
 
 pub fn index_beyond(span: Span, index: usize, length: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0306, format!("index {index} of a list of {length}"))
+    Diagnostic::new(Code::E0306, format!("index {index} is out of range for a list of length {length}"))
         .label(span, "beyond the end")
         .help_if((length > 0).then(|| format!("the last element has index {}", length - 1)))
 }
 
 pub fn not_a_list(span: Span, found: &Value) -> Diagnostic {
-    Diagnostic::new(Code::E0306, format!("an index on {}", found.describe())).label(span, "not a list")
+    Diagnostic::new(Code::E0306, format!("only a list can be indexed, but this is {}", found.describe()))
+        .label(span, "not a list")
 }
 
 pub fn bad_index(span: Span, found: &Value) -> Diagnostic {
@@ -423,7 +426,7 @@ pub fn bad_index(span: Span, found: &Value) -> Diagnostic {
 pub fn bad_range_end(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(Code::E0304, format!("a range runs between whole numbers, but this is {}", found.describe_fully()))
         .label(span, "not a whole number")
-        .help("count first and scale inside: `for i in 0..4 { … i * 1 um … }`")
+        .help("count in whole numbers and scale inside the loop: `for i in 0..4 { … i * 1 um … }`")
 }
 
 pub fn too_many_elements(span: Span, count: usize) -> Diagnostic {
@@ -433,20 +436,20 @@ pub fn too_many_elements(span: Span, count: usize) -> Diagnostic {
 
 pub fn too_many_repetitions(span: Span, limit: usize) -> Diagnostic {
     Diagnostic::new(Code::E0308, format!("`for` repeats more than {limit} times in this program"))
-        .label(span, "the limit is passed here")
-        .help("a scene this large is better made of larger shapes, as `cells { from: …, to: … }`")
+        .label(span, "the limit is exceeded here")
+        .help("build a scene this large from larger shapes, as in `cells { from: …, to: … }`")
 }
 
 pub fn too_many_outlines(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0308, "more curves and solids than are worked out in one program")
-        .label(span, "the limit is passed here")
-        .help("leave out parts that no task holds, or make several programs of it")
+    Diagnostic::new(Code::E0308, "more curves and solids than can be evaluated in one program")
+        .label(span, "the limit is exceeded here")
+        .help("remove parts that no task holds, or split the file into several programs")
 }
 
 pub fn repeats_nothing(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::W0301, "a `for` that repeats nothing")
-        .label(span, "holds no element")
-        .help("a range runs up to its end, without it: `0..4` is 0, 1, 2, 3; leave the loop out if nothing is meant")
+    Diagnostic::new(Code::W0301, "this `for` repeats nothing")
+        .label(span, "has no elements")
+        .help("a range excludes its end: `0..4` is 0, 1, 2, 3; remove the loop if nothing is meant to repeat")
 }
 
 pub fn not_to_repeat(span: Span, found: &Value) -> Diagnostic {
@@ -484,7 +487,7 @@ fn zero_without_unit(coordinates: &[Quantity]) -> Option<String> {
 
 /// `whole` is the point from bracket to bracket, with all its coordinates.
 pub fn mixed_point(first: Spanned<&Value>, odd: Spanned<&Value>, whole: Span, coordinates: &[Quantity]) -> Diagnostic {
-    let finding = Diagnostic::new(Code::E0310, "a point of unlike coordinates")
+    let finding = Diagnostic::new(Code::E0310, "the coordinates of a point have different dimensions")
         .label(odd.span, odd.value.describe_fully())
         .label(first.span, first.value.describe_fully());
     match coordinates {
@@ -493,7 +496,7 @@ pub fn mixed_point(first: Spanned<&Value>, odd: Spanned<&Value>, whole: Span, co
             .mended(Span { end: whole.start, ..whole }, "pose"),
         _ => match zero_without_unit(coordinates) {
             Some(point) => finding.help(format!("give 0 its unit: write `{point}`")).mended(whole, point),
-            None => finding.help("`(5, 3)` is a cell, `(5 um, 3 um)` is a place; one point is not both"),
+            None => finding.help("`(5, 3)` is a cell and `(5 um, 3 um)` is a place; a point cannot be both"),
         },
     }
 }
@@ -510,10 +513,11 @@ pub fn bad_pose(span: Span, found: &Value, dimension: Dimension) -> Diagnostic {
 pub fn wrong_arguments(span: Span, name: &str, count: usize) -> Diagnostic {
     let takes = match name {
         "pose" => "`pose(x, y)` or `pose(x, y, heading)`".to_owned(),
-        "min" | "max" => "one list, or one argument and more".to_owned(),
+        "min" | "max" => "one list, or one or more arguments".to_owned(),
         _ => function_form(name).map_or_else(String::new, |form| format!("`{form}`")),
     };
-    Diagnostic::new(Code::E0307, format!("`{name}` with {count} arguments")).label(span, format!("takes {takes}"))
+    Diagnostic::new(Code::E0307, format!("`{name}` does not take {}", quantity::count(count, "argument")))
+        .label(span, format!("takes {takes}"))
 }
 
 pub fn bad_argument(span: Span, name: &str, found: &Value) -> Diagnostic {
@@ -524,7 +528,7 @@ pub fn bad_argument(span: Span, name: &str, found: &Value) -> Diagnostic {
         "count" => "a list, a range or a table",
         _ => "quantities",
     };
-    Diagnostic::new(Code::E0307, format!("`{name}` of {}", found.describe_fully()))
+    Diagnostic::new(Code::E0307, format!("`{name}` does not take {}", found.describe_fully()))
         .label(span, found.describe())
         .help(format!("`{name}` takes {takes}"))
 }
@@ -538,7 +542,7 @@ pub fn not_a_shape(span: Span, found: &Value) -> Diagnostic {
 }
 
 pub fn cell_of_other_dimension(span: Span, found: &Value, header: &Ident, wanted: Dimension) -> Diagnostic {
-    let title = format!("a column of {}s holds {}", wanted.name(), found.describe_fully());
+    let title = format!("a column of {}s contains {}", wanted.name(), found.describe_fully());
     Diagnostic::new(Code::E0301, title)
         .label(span, found.describe())
         .label(header.span, format!("the column's unit: {}", wanted.with_article()))
@@ -574,13 +578,13 @@ pub fn incomplete_table(span: Span, wanted: &WantedName, missing: &[&device::Voc
 }
 
 pub fn too_much_work(span: Span, limit: u64) -> Diagnostic {
-    Diagnostic::new(Code::E0314, format!("the program asks for more than {limit} steps of working out"))
-        .label(span, "here the limit is passed")
-        .help("repeat less, and give a value that is used again and again a name with `let`")
+    Diagnostic::new(Code::E0314, format!("checking the program takes more than {limit} evaluation steps"))
+        .label(span, "the limit is exceeded here")
+        .help("repeat less, and name values that are used repeatedly with `let`")
 }
 
 pub fn too_much_text(span: Span, limit: u64) -> Diagnostic {
-    Diagnostic::new(Code::E0313, format!("the program makes more than {} MiB of strings", limit >> 20))
-        .label(span, "here the limit is passed")
-        .help("build strings of fewer parts")
+    Diagnostic::new(Code::E0313, format!("the program builds more than {} MiB of strings", limit >> 20))
+        .label(span, "the limit is exceeded here")
+        .help("build strings from fewer parts")
 }

@@ -52,21 +52,22 @@ pub fn load_too_large(span: Span, force_un: f64, most_un: f64) -> Diagnostic {
 
 pub fn tolerance_as_large_as_retract(facts: &FingersFacts) -> Diagnostic {
     let [tolerance, away] = [facts.tolerance_um, facts.slow_um()].map(length);
-    let title =
-        format!("`tolerance` is {tolerance}, but must be less than {away}, as far as a tip goes off its contact");
+    let title = format!(
+        "`tolerance` is {tolerance}, but must be less than {away}, the distance that a tip moves off its contact"
+    );
     Diagnostic::new(Code::E0403, title).help("write a smaller `tolerance`, or a larger `retract`")
 }
 
 pub fn load_without_centre(span: Span, name: &str, shape: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0577, format!("a load on `{name}`, whose centre of mass is not known"))
+    Diagnostic::new(Code::E0577, format!("`{name}` bears a load, but its centre of mass is not known"))
         .label(span, "acts at the centre of mass")
-        .label(shape, "outlines that are not centred at the origin do not tell where that is")
+        .label(shape, "outlines that are not centred at the origin do not determine it")
         .help("state it with the outlines, as `centre_of_mass: (1.5 um, 0 um, 0 um)`")
 }
 
 pub fn part_too_heavy(span: Span, name: &str, weight_un: f64, most_un: f64) -> Diagnostic {
     let [weight, most] = [weight_un, most_un].map(in_newtons);
-    Diagnostic::new(Code::E0403, format!("part `{name}` weighs {weight}, but at most {most} are allowed"))
+    Diagnostic::new(Code::E0403, format!("part `{name}` weighs {weight}, but at most {most} is allowed"))
         .label(span, "from its volume and its `material`")
         .help("check the unit of `material`: silicon has 2330 kg/m^3")
 }
@@ -96,8 +97,10 @@ pub fn step_divides_no_turn(step: Quantity) -> Diagnostic {
 }
 
 pub fn step_out_of_limits(step: Quantity, steps: f64, [least, most]: [u32; 2]) -> Diagnostic {
-    let title =
-        format!("a rotation step of {step} makes {} of a full turn, {least} to {most} are planned with", digits(steps));
+    let title = format!(
+        "a rotation step of {step} makes {} steps of a full turn; {least} to {most} are allowed",
+        digits(steps)
+    );
     Diagnostic::new(Code::E0425, title).help("write a step from 1 deg to 90 deg, as `20 deg`")
 }
 
@@ -110,7 +113,7 @@ pub fn part_without_shape(span: Span, name: &str) -> Diagnostic {
 pub fn part_place(span: Span, found: &Value) -> Diagnostic {
     Diagnostic::new(Code::E0515, format!("a part must be at a point in space, but this is {}", found.describe_fully()))
         .label(span, found.describe())
-        .help("write `at (0 um, 0 um, 5 um)`, or leave it out for the hand's origin; its axes are along the hand's at first")
+        .help("write `at (0 um, 0 um, 5 um)`, or leave it out for the hand's origin; at first, the axes of the part are along those of the hand")
 }
 
 /// A concave place that is too narrow for the tips.
@@ -123,7 +126,7 @@ pub fn tip_too_large(span: Span, at: &Tipped, radius_um: f64, device: Span) -> D
     Diagnostic::new(Code::E0540, title)
         .label(span, format!("near {} in the plane {}", at.place(), at.plane.name()))
         .label(device, "the tips of this device")
-        .help(format!("tips of less than {} reach everywhere", length(no_more(radius_um, 2))))
+        .help(format!("use tips with a radius of less than {}, which reach everywhere", length(no_more(radius_um, 2))))
 }
 
 /// A place on a part, for a message.
@@ -167,7 +170,7 @@ pub fn too_many_grasps(span: Span, name: &str, [contacts, angles]: [usize; 2], s
     let step = most.map_or_else(|| "a larger `step`".to_owned(), |steps| format!("`step: {} deg`", 360 / steps));
     Diagnostic::new(Code::E0541, title)
         .label(span, "under a load in the plane of this turn, grasps differ from angle to angle")
-        .help(format!("take {step}, or leave the load and the part's `material` out"))
+        .help(format!("use {step}, or leave the load and the part's `material` out"))
 }
 
 /// A tip that touches a section of a solid but penetrates the solid.
@@ -189,7 +192,7 @@ pub fn tip_in_solid(span: Span, name: &str, tip: &BuriedTip) -> Diagnostic {
         Some(beyond) => format!("a tip that rolls from contact {contact} to {beyond} in the plane {plane}"),
     };
     let [depth, tolerance] = [tip.depth_um, tip.tolerance_um].map(length);
-    let title = format!("{place} would stand {depth} deep in `{name}`, {tolerance} is allowed");
+    let title = format!("{place} would penetrate `{name}` by {depth}; at most {tolerance} is allowed");
     let (label, help) = match tip.is_smoothed {
         true => (
             "its section has corners there, which are smoothed",
@@ -197,7 +200,7 @@ pub fn tip_in_solid(span: Span, name: &str, tip: &BuriedTip) -> Diagnostic {
         ),
         false => (
             "its surface leans over the section there",
-            "turn or move the solid in its file until its surface stands upright on its planes xy and xz",
+            "turn or move the solid in its file until its surface is perpendicular to its planes xy and xz",
         ),
     };
     Diagnostic::new(Code::E0552, title).label(span, label).help(help)
@@ -205,13 +208,13 @@ pub fn tip_in_solid(span: Span, name: &str, tip: &BuriedTip) -> Diagnostic {
 
 pub fn solid_reaches_out(span: Span, name: &str, reach_um: f64, most_um: f64) -> Diagnostic {
     let title = format!(
-        "`{name}` reaches {} from its origin, tips travel round it where nothing reaches further than {}",
+        "`{name}` reaches {} from its origin, but tips travel around it where nothing may reach further than {}",
         length(reach_um),
         length(most_um)
     );
     Diagnostic::new(Code::E0552, title)
         .label(span, "beyond its sections")
-        .help("round its corners, or use larger tips: they travel as far outside its sections as lets one pass another")
+        .help("round its corners, or use larger tips: they travel just far enough outside its sections for one to pass another")
 }
 
 /// A stage axis that does not reach around a part.
@@ -280,12 +283,13 @@ pub fn no_whole_steps(
         .collect();
     let off_deg = within.iter().map(|end_rad| (asked_rad - end_rad).abs()).fold(f64::INFINITY, f64::min).to_degrees();
     let ends = within.iter().map(|end_rad| angle(*end_rad)).collect::<Vec<_>>().join(" and ");
-    let (past, once, these) = if within.len() == 2 {
-        ("", "", "one of these angles")
+    let (nearest, once, these) = if within.len() == 2 {
+        (format!("the nearest are {ends}"), "", "one of these angles")
     } else {
-        (", then past 360 deg", " and at most 360 deg", "this angle")
+        (format!("the nearest up to 360 deg is {ends}"), " and at most 360 deg", "this angle")
     };
-    let title = format!("a turn by {}, steps of {} come to {ends}{past}", angle(asked_rad), angle(step_rad));
+    let title =
+        format!("a turn by {} is not a whole number of steps of {}; {nearest}", angle(asked_rad), angle(step_rad));
     Diagnostic::new(Code::E0543, title)
         .label(span, format!("no whole number of steps within {}{once}", angle(precision_rad)))
         .help(match step_deg {
@@ -310,9 +314,12 @@ fn step_text(step_deg: f64) -> String {
 }
 
 pub fn turn_too_far(span: Span, asked_rad: f64) -> Diagnostic {
-    Diagnostic::new(Code::E0544, format!("a turn by {}; one step turns by at most 360 deg", angle(asked_rad)))
-        .label(span, "more than once round")
-        .help("write several steps one below the other")
+    Diagnostic::new(
+        Code::E0544,
+        format!("a turn by {} is too far: one step turns by at most 360 deg", angle(asked_rad)),
+    )
+    .label(span, "more than a full turn")
+    .help("write several steps one below the other")
 }
 
 /// Goal that whole steps miss.
@@ -361,19 +368,19 @@ pub fn orientation_missed(
     Diagnostic::new(Code::E0545, title).label(span, "not reached").help(match mend.step_deg {
         Some(step_deg) => format!("write `step: {}` in the device to reach it", step_text(step_deg)),
         None => {
-            format!("take {angles}; or write `precision: {precision} deg` among the settings to accept {whole}")
+            format!("use {angles}; or write `precision: {precision} deg` among the settings to accept {whole}")
         }
     })
 }
 
 pub fn other_part(run: Span, device: &str, first: &str, now: &str) -> Diagnostic {
     let title = if first == now {
-        format!("`{device}` has turned `{first}` so far, the `{now}` of this scene has another shape")
+        format!("`{device}` has turned `{first}` so far, but the `{now}` of this scene has another shape")
     } else {
         format!("`{device}` has turned `{first}` so far, and cannot turn `{now}` in the same schedule")
     };
     Diagnostic::new(Code::E0528, title)
-        .label(run, "another part than before")
+        .label(run, "not the part that was turned before")
         .help("a hand keeps its part between tasks: write a program, or another device, for each part")
 }
 
@@ -386,7 +393,7 @@ pub fn flat_part(span: Span, name: &str, what: &str, declared: Span) -> Diagnost
 
 /// Two planes between which the part cannot be handed over.
 pub fn no_junction(span: Span, name: &str, why: &str, declared: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0542, format!("`{name}` cannot go over from one plane to the other: {why}"))
+    Diagnostic::new(Code::E0542, format!("`{name}` cannot be handed over from one plane to the other: {why}"))
         .label(span, "in another plane than the part is held in")
         .label(declared, "this part")
         .help("between two planes a finger holds each of the places where the x axis leaves the part: make its outlines in both \
@@ -394,23 +401,23 @@ pub fn no_junction(span: Span, name: &str, why: &str, declared: Span) -> Diagnos
 }
 
 pub fn bad_grasp(span: Span, what: String, help: String) -> Diagnostic {
-    Diagnostic::new(Code::E0547, what).label(span, "no grasp").help(help)
+    Diagnostic::new(Code::E0547, what).label(span, "not a possible grasp").help(help)
 }
 
 pub fn tips_too_near(span: Span, one: u32, other: u32, distance_um: f64, least_um: f64) -> Diagnostic {
     let title = format!(
-        "tips at the contacts {one} and {other} are {} apart, {} is needed",
+        "tips at contacts {one} and {other} are {} apart; at least {} is needed",
         length(distance_um),
         length(least_um)
     );
     Diagnostic::new(Code::E0547, title)
         .label(span, "too near to each other")
-        .help("take contacts further apart: that is twice `tip_radius`, and `clearance`")
+        .help("use contacts further apart: the least distance is twice `tip_radius` plus `clearance`")
 }
 
 pub fn nothing_held(span: Span, what: &str, released: Option<Span>) -> Diagnostic {
-    let diagnostic =
-        Diagnostic::new(Code::E0548, format!("`{what}` where no finger holds the part")).label(span, "not held");
+    let diagnostic = Diagnostic::new(Code::E0548, format!("`{what}` needs a part that fingers hold, but none does"))
+        .label(span, "not held");
     match released {
         Some(released) => diagnostic.label(released, "released here"),
         None => diagnostic,
@@ -421,11 +428,11 @@ pub fn nothing_held(span: Span, what: &str, released: Option<Span>) -> Diagnosti
 /// A part that would stick to the last finger.
 pub fn sticks(span: Span, needed_un: f64, support_un: f64, pull_off_un: f64, safety: f64) -> Diagnostic {
     let title = format!(
-        "the part would stick to the last finger: {} hold it down; {} are needed",
+        "the part would stick to the last finger: {} holds it down, but {} is needed",
         force(support_un),
         force(needed_un)
     );
-    Diagnostic::new(Code::E0549, title).label(span, "let go here").help(format!(
+    Diagnostic::new(Code::E0549, title).label(span, "released here").help(format!(
         "give the device `support: {}` (`pull_off` of {} times `removal_safety` of {}), or leave the part held",
         force(needed_un),
         force(pull_off_un),

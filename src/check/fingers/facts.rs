@@ -61,8 +61,8 @@ pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<FingersFacts> {
     if facts.slow_um() <= facts.tolerance_um {
         let labels = [
             DeviceLabel::field("tolerance", "a tip this far off counts as touching"),
-            DeviceLabel::field("retract", "a tip goes off its contact by this"),
-            DeviceLabel::field("clearance", "and by no less than this"),
+            DeviceLabel::field("retract", "a tip moves off its contact by this"),
+            DeviceLabel::field("clearance", "and by at least this"),
         ];
         sink.push(device.labelled(errors::tolerance_as_large_as_retract(&facts), labels));
     }
@@ -99,7 +99,7 @@ fn gaiting_cost_deg(device: &CheckedDevice, sink: &mut Sink) -> Option<f64> {
     }
     sink.push(device.labelled(
         errors::gaiting_cost_not_whole(cost, MOST_DEG),
-        [DeviceLabel::field("gaiting_cost", "not such an angle")],
+        [DeviceLabel::field("gaiting_cost", "not a whole number of degrees in this range")],
     ));
     None
 }

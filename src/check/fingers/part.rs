@@ -251,7 +251,7 @@ pub fn junction_fault(part: &HandPart, facts: &FingersFacts) -> Option<String> {
         let leaning = [tips[index].1, tips[index + 2].1].map(|rad| (rad.sine()).abs().arc_sine().to_degrees());
         (apart_um > most_um).then(|| {
             format!(
-                "where the {side} x axis leaves it, its outlines put a tip {} apart, {} is allowed (they lean by {:.2} deg and {:.2} deg)",
+                "where the {side} x axis leaves it, its outlines put a tip {} apart; at most {} is allowed (they lean by {:.2} deg and {:.2} deg)",
                 errors::length(apart_um),
                 errors::length(most_um),
                 leaning[0],

@@ -297,7 +297,7 @@ impl HandStepJudge<'_> {
         let fingers = self.facts.fingers as usize;
         let numbers = numbers(&argument.value)?;
         if numbers.len() > fingers {
-            let what = format!("a grasp of {} fingers, the hand has {fingers}", numbers.len());
+            let what = format!("a grasp of {} fingers, but the hand has {fingers}", numbers.len());
             return self.wrong(
                 errors::bad_grasp(argument.span, what, "write a number for each finger, 0 for a free one".to_owned()),
                 argument,
@@ -311,10 +311,10 @@ impl HandStepJudge<'_> {
             let Some(contact) = whole else {
                 let plane = planes.first()?.name();
                 let what = format!(
-                    "contact {number}, the contacts of `{}` in the plane {plane} are 1 to {most}",
+                    "contact {number} does not exist: the contacts of `{}` in the plane {plane} are 1 to {most}",
                     self.part.name
                 );
-                let help = "write such a number, or 0 for a finger that is free".to_owned();
+                let help = "write one of these numbers, or 0 for a free finger".to_owned();
                 return self.wrong(errors::bad_grasp(argument.span, what, help), argument);
             };
             contacts.push(contact);
@@ -331,12 +331,12 @@ impl HandStepJudge<'_> {
     fn count_fault(&self, contacts: &[u32], span: Span) -> Option<Diagnostic> {
         let held: Vec<u32> = contacts.iter().copied().filter(|contact| *contact > 0).collect();
         if !(2..=MAX_HOLDING).contains(&held.len()) {
-            let what = format!("a grasp by {}, two or three hold a part", count(held.len(), "finger"));
+            let what = format!("a grasp by {}; two or three must hold a part", count(held.len(), "finger"));
             return Some(errors::bad_grasp(span, what, "write 0 for the other fingers, as `(1, 38, 0)`".to_owned()));
         }
         let twice = held.iter().enumerate().find(|(index, contact)| held[..*index].contains(contact));
         twice.map(|(_, contact)| {
-            let what = format!("two fingers at contact {contact}");
+            let what = format!("two fingers are at contact {contact}");
             errors::bad_grasp(span, what, "give each finger a contact of its own".to_owned())
         })
     }
@@ -359,7 +359,7 @@ impl HandStepJudge<'_> {
                 errors::length(deep_um),
                 self.part.name
             );
-            return Some(errors::bad_grasp(span, what, "take a contact outside of the hollow".to_owned()));
+            return Some(errors::bad_grasp(span, what, "use a contact outside the hollow".to_owned()));
         }
         let least_um = 2.0 * tip_um + self.facts.clearance_um;
         tips.iter().enumerate().find_map(|(index, (contact, [x, y]))| {

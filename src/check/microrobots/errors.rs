@@ -53,12 +53,12 @@ pub fn pose_text(pose: &Pose) -> String {
 }
 
 pub fn too_many_robots(found: usize, most: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0403, format!("a table of {found} robots, one bed takes {most}"))
+    Diagnostic::new(Code::E0403, format!("the table has {found} robots; one bed takes at most {most}"))
         .help("divide the robots among several beds")
 }
 
 pub fn robot_twice(name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0417, format!("two rows for the robot `{name}`"))
+    Diagnostic::new(Code::E0417, format!("robot `{name}` has two rows"))
         .help("give each robot a name of its own, and one row")
 }
 
@@ -80,14 +80,14 @@ pub fn beyond_figure(name: &str, found: Quantity, most: Quantity) -> Diagnostic 
 
 pub fn some_error_bounds(missing: &[&str]) -> Diagnostic {
     let list = listed(missing.iter().copied());
-    Diagnostic::new(Code::W0404, format!("bounds on errors without {list}: nothing can be guaranteed"))
+    Diagnostic::new(Code::W0404, format!("the error bounds lack {list}: nothing can be guaranteed"))
         .help(format!("add {list}, 0 where there is no such error, or leave the others out"))
 }
 
 pub fn guaranteed_drive(setting: Span, drive: Span) -> Diagnostic {
     Diagnostic::new(Code::E0605, "a task with `drive` on a device with errors is never guaranteed")
-        .label(setting, "demands that its goals are certain")
-        .label_elsewhere(drive, setting, "measured and corrected on the way, of which nothing is proven")
+        .label(setting, "requires that its goals are guaranteed")
+        .label_elsewhere(drive, setting, "measured and corrected on the way; nothing is proven about it")
         .help("leave `guaranteed` out, or leave `drive` out: the dockings of `assemble` from the poses of the scene can be guaranteed")
 }
 
@@ -109,11 +109,11 @@ pub fn flex_beyond_source(flex: &str, most: &str) -> Diagnostic {
 
 pub fn docking_sideways(name: &str, found: &str) -> Diagnostic {
     Diagnostic::new(Code::E0423, format!("`{name}` is {found}, but must be less than 90 deg"))
-        .help("robots meet by their fronts: 60 deg and 45 deg were measured for meeting head on and for sticking")
+        .help("robots meet with their fronts: 60 deg was measured for meeting head-on, and 45 deg for sticking")
 }
 
 pub fn cycle_beyond_fine_motion(cycle: &str, fine: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0423, format!("a fine cycle of {cycle} in a fine motion of {fine}"))
+    Diagnostic::new(Code::E0423, format!("a fine cycle of {cycle} is longer than its fine motion of {fine}"))
         .help(format!("make `fine_cycle` {fine} or less: a fine motion consists of whole cycles"))
 }
 
@@ -127,7 +127,7 @@ pub fn release_above_snap_down(name: &str, release_v: f64, snap_down_v: f64) -> 
         "the arm of `{name}` is released at {release}, but must be released below its snap-down at {snap_down}"
     );
     Diagnostic::new(Code::E0418, title)
-        .help("an arm that is down stays there until the voltage has fallen far below what lowered it")
+        .help("an arm that is down stays down until the voltage falls far below the one that lowered it")
 }
 
 /// A level from which a voltage of the table must keep its distance.
@@ -143,8 +143,8 @@ impl Limit {
     /// The label at the cell.
     pub fn label(self) -> String {
         match self {
-            Limit::Hold { most_v, .. } | Limit::Range { most_v, .. } => format!("{} at most", volts(most_v)),
-            Limit::Drive { least_v, .. } | Limit::Floor { least_v } => format!("{} at least", volts(least_v)),
+            Limit::Hold { most_v, .. } | Limit::Range { most_v, .. } => format!("at most {}", volts(most_v)),
+            Limit::Drive { least_v, .. } | Limit::Floor { least_v } => format!("at least {}", volts(least_v)),
         }
     }
 }
@@ -155,20 +155,22 @@ pub fn voltage_out_of_limit(name: &str, found_v: f64, limit: Limit, margin_v: f6
         Limit::Hold { relax_v, most_v } => {
             let (relax, short) = (volts(relax_v), volts(found_v - most_v));
             let title = format!(
-                "a relax level of {relax} could raise the arm of `{name}`: it is released at {found}, {short} too high"
+                "a relax level of {relax} could raise the arm of `{name}`: its release at {found} is {short} too high"
             );
             (Code::E0419, title)
         }
         Limit::Drive { flex_v, least_v } => {
             let (flex, short) = (volts(flex_v), volts(least_v - found_v));
             let title = format!(
-                "a flex level of {flex} could lower the arm of `{name}`: it snaps down at {found}, {short} too low"
+                "a flex level of {flex} could lower the arm of `{name}`: its snap-down at {found} is {short} too low"
             );
             (Code::E0419, title)
         }
         Limit::Range { max_v, .. } => {
             let most = volts(max_v);
-            let title = format!("even the maximum of {most} may not lower the arm of `{name}`: {found} +- {margin}");
+            let title = format!(
+                "even the maximum of {most} may not lower the arm of `{name}`: it snaps down at {found} +- {margin}"
+            );
             (Code::E0418, title)
         }
         Limit::Floor { .. } => {
@@ -194,11 +196,11 @@ pub fn nested_gaps(outer: &str, inner: &str, [snap_down_v, release_v]: [f64; 2])
 
 pub fn alike_robots(one: &str, other: &str, [snap_down_v, release_v]: [f64; 2], least_v: f64) -> Diagnostic {
     let title = if snap_down_v == 0.0 && release_v == 0.0 {
-        format!("`{one}` and `{other}` have the same voltages, no level moves one arm without the other")
+        format!("`{one}` and `{other}` have the same voltages: no level moves one arm without the other")
     } else {
         let [snap_down, release, least] = [snap_down_v, release_v, least_v].map(volts);
         format!(
-            "`{one}` and `{other}` differ by {snap_down} in snap-down and {release} in release, 2 x margin = {least} is \
+            "`{one}` and `{other}` differ by {snap_down} in snap-down and {release} in release; 2 x margin = {least} is \
              needed in one of them"
         )
     };
@@ -209,7 +211,9 @@ pub fn alike_robots(one: &str, other: &str, [snap_down_v, release_v]: [f64; 2], 
 pub fn no_sequence(state: usize, lowered: &[&str], [levels, most]: [usize; 2], least_v: f64) -> Diagnostic {
     let least = volts(least_v);
     let title = match lowered {
-        _ if levels > most => format!("control state {state} takes a cycle of {levels} levels, {most} are allowed"),
+        _ if levels > most => {
+            format!("control state {state} needs a cycle of {levels} levels; at most {most} are allowed")
+        }
         [] => format!("no control cycle of {most} levels or fewer raises all arms"),
         lowered => {
             let list = listed(lowered.iter().copied());
@@ -217,7 +221,7 @@ pub fn no_sequence(state: usize, lowered: &[&str], [levels, most]: [usize; 2], l
         }
     };
     Diagnostic::new(Code::E0422, title).help(format!(
-        "2 x margin = {least} between the labelled voltages, in one of the columns, lets two levels do it"
+        "with 2 x margin = {least} between the labelled voltages in one of the columns, two levels are enough"
     ))
 }
 
@@ -227,21 +231,21 @@ pub fn gap_labels(column: &str, [down, up]: [&str; 2], gap_v: f64) -> [String; 2
     let verb = if column == "release" { "is released" } else { "snaps down" };
     let low = format!("`{down}` must be down");
     let high = match gap_v {
-        gap_v if gap_v > 0.0 => format!("`{up}`, to be up, {verb} {gap} above"),
-        gap_v if gap_v < 0.0 => format!("`{up}`, to be up, {verb} {gap} below"),
-        _ => format!("`{up}`, to be up, {verb} at the same voltage"),
+        gap_v if gap_v > 0.0 => format!("`{up}` must be up; it {verb} {gap} above"),
+        gap_v if gap_v < 0.0 => format!("`{up}` must be up; it {verb} {gap} below"),
+        _ => format!("`{up}` must be up; it {verb} at the same voltage"),
     };
     [low, high]
 }
 
 pub fn too_many_states(most: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0416, format!("more than {most} control states, so many cannot be planned with"))
+    Diagnostic::new(Code::E0416, format!("more than {most} control states; the planner takes no more"))
         .help("nested gaps multiply the states: give robots that are used alike rows with the same voltages")
 }
 
 /// `code` is that of the last fault that was reported.
 pub fn more_faults(code: Code, count: usize) -> Diagnostic {
-    Diagnostic::new(code, format!("{count} more faults of this table")).help("mend the others first")
+    Diagnostic::new(code, format!("{count} more faults in this table")).help("fix the others first")
 }
 
 /// The change of one voltage that fixes a table.
@@ -305,17 +309,17 @@ pub fn robot_with_shape(span: Span, name: &str) -> Diagnostic {
 }
 
 pub fn robot_stands_nowhere(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0515, format!("robot `{name}` stands nowhere"))
+    Diagnostic::new(Code::E0515, format!("robot `{name}` has no pose"))
         .label(span, "where?")
-        .help(format!("write `robot {name} at pose(0 um, 0 um, 90 deg)`: place and heading, 0 deg faces +x"))
+        .help(format!("write `robot {name} at pose(0 um, 0 um, 90 deg)`: place and heading, where 0 deg faces +x"))
 }
 
 pub fn no_heading(span: Span, name: &str, found: &Value) -> Diagnostic {
     let help = match found {
         Value::Point(point) if point.len() == 2 && point[0].dimension == Dimension::LENGTH => {
-            format!("write `pose({}, {}, 90 deg)`: 0 deg faces +x, 90 deg faces +y", point[0], point[1])
+            format!("write `pose({}, {}, 90 deg)`: 0 deg faces +x and 90 deg faces +y", point[0], point[1])
         }
-        _ => "write `pose(0 um, 0 um, 90 deg)`: place and heading, 0 deg faces +x, 90 deg faces +y".to_owned(),
+        _ => "write `pose(0 um, 0 um, 90 deg)`: place and heading, where 0 deg faces +x and 90 deg faces +y".to_owned(),
     };
     Diagnostic::new(
         Code::E0533,
@@ -336,8 +340,8 @@ pub fn obstacle_without_place(span: Span, found: &Value) -> Diagnostic {
 
 /// A heading so large that its direction is lost in rounding.
 pub fn heading_too_large(span: Span, most_deg: f64) -> Diagnostic {
-    Diagnostic::new(Code::E0501, format!("a heading of more than {} deg", digits(most_deg)))
-        .label(span, "so many turns cannot be told apart")
+    Diagnostic::new(Code::E0501, format!("a heading is more than {} deg", digits(most_deg)))
+        .label(span, "too many turns to be exact")
         .help("write a heading between -180 deg and 180 deg")
 }
 
@@ -347,12 +351,12 @@ pub fn applied_too_far(span: Span, name: &str, way_um: f64, most_um: f64) -> Dia
         Code::E0501,
         format!("this carries `{name}` {}; at most {} can be planned", length(way_um), length(most_um)),
     )
-    .label(span, "for so long")
+    .label(span, "applied for too long")
     .help("apply it for a shorter time, or check the unit of `speed`")
 }
 
 pub fn pose_too_far(span: Span, most_um: f64) -> Diagnostic {
-    Diagnostic::new(Code::E0501, format!("a place further from the origin than {}", length(most_um)))
+    Diagnostic::new(Code::E0501, format!("a place is further from the origin than {}", length(most_um)))
         .label(span, "cannot be reached")
         .help("check the units of its coordinates")
 }
@@ -367,9 +371,9 @@ pub struct BlockedRobot<'a> {
 /// Actual and required distance of two bodies, for a title.
 fn shortage([gap_um, kept_um]: [f64; 2], other: &str) -> String {
     if gap_um > 0.0 {
-        format!("lies {} from {other}, {} is needed", at_most(gap_um), length(kept_um))
+        format!("lies {} from {other}; at least {} is needed", at_most(gap_um), length(kept_um))
     } else if kept_um > 0.0 {
-        format!("touches {other}, {} between them is needed", length(kept_um))
+        format!("touches {other}; a gap of at least {} is needed", length(kept_um))
     } else {
         format!("touches {other}")
     }
@@ -401,10 +405,10 @@ pub fn robots_start_too_near(
     kept_um: f64,
 ) -> Diagnostic {
     let short = shortage([gap_um, kept_um], &format!("`{other}`"));
-    Diagnostic::new(Code::E0534, format!("at its start `{name}` {short}"))
+    Diagnostic::new(Code::E0534, format!("at its start, `{name}` {short}"))
         .label(span, format!("`{name}` starts here"))
         .label_elsewhere(other_span, span, format!("`{other}` starts here"))
-        .help("all robots move with every stroke: let them start further apart")
+        .help("start them further apart: all robots move with every stroke")
 }
 
 /// Accessible states as `0 (0b000)`, a few of them.
@@ -429,21 +433,21 @@ pub fn unknown_state(span: Span, asked: &str, device: &str, states: &[(usize, St
 }
 
 pub fn pattern_of_wrong_width(span: Span, found: u32, robots: usize, device: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0504, format!("a word of {found} digits for a table of {robots} robots"))
+    Diagnostic::new(Code::E0504, format!("a word has {found} digits, but the table has {robots} robots"))
         .label(span, format!("`{device}` has {robots} robots"))
         .help(format!("write one digit for each row, the first row first, 1 for an arm that is down: {robots} digits"))
 }
 
 pub fn precision_below_step(span: Span, precision_um: f64, name: &str, step_um: f64) -> Diagnostic {
-    let (precision, step) = (length(precision_um), length(step_um));
-    Diagnostic::new(Code::E0506, format!("a precision of {precision}, one stroke carries `{name}` {step}"))
-        .label(span, "finer than the robot moves")
+    let (precision, half, step) = (length(precision_um), length(step_um / 2.0), length(step_um));
+    Diagnostic::new(Code::E0506, format!("precision {precision} is finer than half a stroke of `{name}`, {half}"))
+        .label(span, format!("one stroke carries `{name}` {step}"))
         .help(format!("make it {} or more", at_least(step_um / 2.0)))
 }
 
 pub fn assembly_too_small(span: Span, count: usize) -> Diagnostic {
-    let found = if count == 0 { "no robot".to_owned() } else { "one robot alone".to_owned() };
-    Diagnostic::new(Code::E0535, format!("an assembly of {found}, two or more dock with one another"))
+    let found = if count == 0 { "none" } else { "only one" };
+    Diagnostic::new(Code::E0535, format!("an assembly needs two robots or more, but this names {found}"))
         .label(span, "nothing to dock with")
         .help(
             "name two robots or more, as in `assemble { D2 to pose(…), D1 to pose(…) }`; `drive` brings one to a pose",
@@ -451,28 +455,31 @@ pub fn assembly_too_small(span: Span, count: usize) -> Diagnostic {
 }
 
 pub fn assembled_twice(name: &str, span: Span, earlier: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0535, format!("`{name}` stands twice in one assembly"))
+    Diagnostic::new(Code::E0535, format!("`{name}` is named twice in one assembly"))
         .label(span, "again here")
         .label_elsewhere(earlier, span, "first here")
-        .help("each robot docks once, and stays there")
+        .help("remove one of the two: a robot docks once and stays there")
 }
 
 /// A docked robot that lies on an obstacle of a later scene.
 pub fn obstacle_on_docked(run: Span, docked: &GoalPlace, obstacle: &str, at: Span) -> Diagnostic {
     let name = &docked.robot;
-    Diagnostic::new(Code::E0530, format!("`{name}` has docked by then, on obstacle `{obstacle}` of this run's scene"))
-        .label(run, "begins with another scene than the run before")
-        .label(docked.span, format!("`{name}` has docked here"))
-        .label(at, "the obstacle")
-        .help("give the tasks of the device one scene, or leave the structure free in the later one")
+    Diagnostic::new(
+        Code::E0530,
+        format!("`{name}` has docked by then where obstacle `{obstacle}` of this run's scene lies"),
+    )
+    .label(run, "begins with a different scene from the previous run")
+    .label(docked.span, format!("`{name}` has docked here"))
+    .label(at, "the obstacle")
+    .help("give the tasks of the device one scene, or keep the structure clear of obstacles in the later one")
 }
 
 pub fn unlike_robots(run: Span, device: &str, name: &str) -> Diagnostic {
     Diagnostic::new(
         Code::E0528,
-        format!("tasks of `{device}` in one schedule have unlike robots: `{name}` is not in both scenes"),
+        format!("tasks of `{device}` in one schedule have different robots: `{name}` is not in both scenes"),
     )
-    .label(run, "runs with other robots than before")
+    .label(run, "not the same robots as before")
     .help("a bed keeps its robots between tasks: give all of them one scene, or scenes with robots of the same names")
 }
 
@@ -505,7 +512,7 @@ pub fn docked_overlap(
     Diagnostic::new(Code::E0536, title)
         .label(goal.span, goal.label())
         .label_elsewhere(other.span, goal.span, other.label())
-        .help("poses are those of the middle of a body: put the goals further apart")
+        .help("put the goals further apart: a pose is that of the middle of a body")
         .help_if(mended_at(mended, "only touches"))
 }
 
@@ -517,12 +524,14 @@ pub fn docked_apart(
     mended: Option<Pose>,
 ) -> Diagnostic {
     let (gap, most) = (at_least(gap_um), length(most_um));
-    let title =
-        format!("`{}` at its goal touches nothing: it is {gap} from `{}`, {most} at most", goal.robot, other.robot);
+    let title = format!(
+        "`{}` at its goal touches nothing: it is {gap} from `{}`; at most {most} is allowed",
+        goal.robot, other.robot
+    );
     Diagnostic::new(Code::E0536, title)
         .label(goal.span, goal.label())
         .label_elsewhere(other.span, goal.span, format!("the nearest it could dock with, the {}", other.label()))
-        .help("the robots that snap down last dock first: put the goal at one that docks before this one")
+        .help("put the goal next to a robot that docks before this one: those that snap down last dock first")
         .help_if(mended_at(mended, "docks"))
 }
 
@@ -539,25 +548,28 @@ pub fn not_head_on(
     let title = match found {
         None => format!("`{one}` and `{two}` begin a structure, but do not face each other"),
         Some((_, offset_um)) if offset_um > most_um => format!(
-            "`{one}` and `{two}` meet {} beside each other, they align themselves up to {}",
+            "`{one}` and `{two}` meet with an offset of {}; they align themselves up to {}",
             at_least(offset_um),
             length(most_um)
         ),
         Some((angle_rad, _)) => {
-            format!("`{one}` and `{two}` are {} from head on; they do not stay so when they touch", angle(angle_rad))
+            format!(
+                "`{one}` and `{two}` are {} from head-on, an angle that they do not keep when they touch",
+                angle(angle_rad)
+            )
         }
     };
     Diagnostic::new(Code::E0537, title)
         .label(goal.span, goal.label())
         .label_elsewhere(other.span, goal.span, other.label())
         .help("the first two robots of a structure align their fronts, as 90 deg meets 270 deg")
-        .help_if(mended.map(|pose| format!("straight head on, `{one}` is at {}", pose_text(&pose))))
+        .help_if(mended.map(|pose| format!("exactly head-on, `{one}` is at {}", pose_text(&pose))))
 }
 
 /// A robot at an angle to the edge with which it docks; `flat` is where it comes to lie.
 pub fn not_flat(goal: &GoalPlace, met: &GoalPlace, angle_rad: f64, flat: Option<Pose>) -> Diagnostic {
     let title = format!(
-        "`{}` at its goal is turned by {} from the edge of `{}`, and does not stay so when it touches",
+        "`{}` at its goal is turned by {} from the edge of `{}`, an angle that it does not keep when it touches",
         goal.robot,
         angle(angle_rad),
         met.robot
@@ -582,5 +594,5 @@ pub fn goal_on_docked(goal: &GoalPlace, docked: &GoalPlace, gap_um: f64, kept_um
     Diagnostic::new(Code::E0502, format!("the body of `{}` {short}", goal.robot))
         .label(goal.span, if gap_um > 0.0 { "too near" } else { "covered" })
         .label_elsewhere(docked.span, goal.span, format!("`{}` has docked here", docked.robot))
-        .help("docked robots do not move any more: choose a place further away, or assemble the robot")
+        .help("choose a place further away, or assemble the robot: docked robots no longer move")
 }

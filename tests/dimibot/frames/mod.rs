@@ -90,7 +90,7 @@ fn the_heading_of_a_frame_has_a_limit_of_its_own() {
     assert_eq!(turned(20_000).codes, [""; 0]);
     let refused = turned(1_000_001);
     assert_eq!(refused.codes, ["E0560"]);
-    assert_eq!(refused.titles, ["a frame with a heading of more than 360000000 deg"]);
+    assert_eq!(refused.titles, ["the heading of a frame is more than 360000000 deg"]);
 }
 
 /// A random program of two robots with goals in cells: `left` and `right` in their own frames, with a few steps each.

@@ -17,10 +17,10 @@ pub fn stays_too_long(span: Span, [steps, most_steps]: [u64; 2], step_ns: u64) -
     let most = Quantity::new(most_steps as f64 * step_ns as f64 / 1e9, Dimension::TIME);
     let one = Quantity::time_ns(step_ns);
     let title =
-        format!("the operations up to here stay for {steps} steps of the board; at most {most_steps} are planned");
-    Diagnostic::new(Code::E0554, title)
-        .label(span, format!("steps of {one}"))
-        .help(format!("stays of one `assay` may take {most} together: split it, with `wait` where all droplets rest"))
+        format!("the operations up to here stay for {steps} steps of the board; at most {most_steps} can be planned");
+    Diagnostic::new(Code::E0554, title).label(span, format!("steps of {one}")).help(format!(
+        "split the `assay`, with `wait` where all droplets rest: the stays of one may take {most} in total"
+    ))
 }
 
 /// Reason why a part is gone, and the place in the program that removed it.
@@ -44,23 +44,23 @@ pub fn gone_before(span: Span, name: &str, departure: Departure) -> Diagnostic {
     match departure {
         Departure::Merged(merged) => {
             Diagnostic::new(Code::E0526, format!("`{name}` has merged with another part by then"))
-                .label(span, "is no part of its own any more")
+                .label(span, "no longer a part of its own")
                 .label_elsewhere(merged, span, "merged here")
-                .help("what has merged goes by the name before `with` from then on")
+                .help("use the name before `with`: it is the name of the merged part from then on")
         }
         Departure::Left(left) => Diagnostic::new(Code::E0526, format!("`{name}` has left the board by then"))
-            .label(span, "is not there any more")
+            .label(span, "no longer there")
             .label_elsewhere(left, span, "leaves here")
-            .help("`discard` takes a part away for the rest of the schedule: discard it later, or name another part"),
+            .help("discard it later, or name another part: `discard` removes a part for the rest of the schedule"),
     }
 }
 
 /// A droplet that is dispensed after the operation in which it merges.
 pub fn dispensed_after_merging(span: Span, name: &str, merged: Span) -> Diagnostic {
     Diagnostic::new(Code::E0526, format!("`{name}` is dispensed after it has merged with another part"))
-        .label(span, "comes onto the board only here")
+        .label(span, "enters the board only here")
         .label_elsewhere(merged, span, "merged here")
-        .help("operations of a part take place in the order of the program: write the `dispense` above")
+        .help("write the `dispense` above: operations of a part take place in the order of the program")
 }
 
 /// A part without a place, used before its `dispense`.
@@ -77,38 +77,38 @@ pub fn not_there_yet(span: Span, part: &BoardPart) -> Diagnostic {
 /// A part that is dispensed although it has been on the board since a place in the source.
 pub fn there_already(span: Span, name: &str, since: Span) -> Diagnostic {
     Diagnostic::new(Code::E0555, format!("`{name}` is on the board already"))
-        .label(span, "cannot come again")
-        .label_elsewhere(since, span, format!("`{name}` comes from here"))
-        .help("each droplet has a name of its own: declare another `part` without `at`, or a list of them with `for`")
+        .label(span, "cannot enter it again")
+        .label_elsewhere(since, span, format!("`{name}` has been on the board since this"))
+        .help("declare another `part` without `at`, or a list of them with `for`: each droplet has a name of its own")
 }
 
 /// `after` a part that has no operation above.
 pub fn nothing_to_come_after(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0564, format!("`{name}` does nothing above, so that nothing comes after it"))
-        .label(span, "has no operation above")
-        .help(format!("`after {name}` means after all that `{name}` does above: write its operations first"))
+    Diagnostic::new(Code::E0564, format!("`{name}` has no operation above, so nothing can come after one"))
+        .label(span, "does nothing above")
+        .help(format!("write the operations of `{name}` first: `after {name}` means after all that it does above"))
 }
 
 /// A longest time without a reference.
 pub fn within_of_nothing(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0573, "`within` says how soon after something else, and nothing is named")
+    Diagnostic::new(Code::E0573, "`within` limits the time after another operation, but none is named")
         .label(span, "counts from nothing")
         .help("write `after PART within 20 s`; `after` the part itself counts from the end of its own operation above")
 }
 
 /// `among` in a step that has one goal for each part.
 pub fn among_outside_assay(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0576, "`among` stands in an `assay`")
+    Diagnostic::new(Code::E0576, "`among` belongs in an `assay`")
         .label(span, "no `assay` around it")
         .help("`assay { … }` plans operations and chooses their places; to let the plan choose which part comes to which goal, write `move any m to […]`")
 }
 
 /// Both a fixed place and a choice of places.
 pub fn at_and_among(verb: &Verb, at: Span, among: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0509, format!("`at` and `among` stand in one `{}`", verb.name))
+    Diagnostic::new(Code::E0509, format!("`at` and `among` are given in one `{}`", verb.name))
         .label(among, "the plan chooses one of these")
         .label(at, "this is the place")
-        .help("leave one of them out")
+        .help("remove one of them")
 }
 
 pub fn among_nothing(span: Span) -> Diagnostic {
@@ -118,7 +118,7 @@ pub fn among_nothing(span: Span) -> Diagnostic {
 }
 
 pub fn among_too_many(span: Span, count: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0576, format!("`among` names {count} places, {MAX_PLACES} at most"))
+    Diagnostic::new(Code::E0576, format!("`among` names {count} places; at most {MAX_PLACES} are allowed"))
         .label(span, "too many to choose from")
         .help("leave out those that no good plan would use")
 }
@@ -127,20 +127,23 @@ pub fn among_one_twice(stop: &ElectrodeArrayStop, first: Span) -> Diagnostic {
     Diagnostic::new(Code::E0576, format!("`among` names {} twice", stop.cell))
         .label(stop.span, "again here")
         .label(first, "first here")
-        .help("leave one of them out")
+        .help("remove one of them")
 }
 
 /// `after` or `within` among steps, which have an order anyway.
 pub fn after_outside_assay(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0564, "`after` and `within` stand in an `assay`")
+    Diagnostic::new(Code::E0564, "`after` and `within` belong in an `assay`")
         .label(span, "no `assay` around it")
-        .help("`assay { … }` plans operations side by side, and `after` orders them; steps follow each other anyway, and what stands in `together` begins at once")
+        .help("`assay { … }` plans operations side by side, and `after` orders them; steps follow each other anyway, and what is in a `together` begins at the same time")
 }
 
 pub fn parts_are_not_dispensed(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0555, "no reservoir dispenses parts with (2, 2) electrodes, but droplets with (1, 1)")
-        .label(span, "not on this device")
-        .help("give the part a place in the scene, as `part NAME at (5, 3)`")
+    Diagnostic::new(
+        Code::E0555,
+        "no reservoir dispenses parts with (2, 2) electrodes; droplets with (1, 1) are dispensed",
+    )
+    .label(span, "not on this device")
+    .help("give the part a place in the scene, as `part NAME at (5, 3)`")
 }
 
 /// Adds that the device must hold its droplets; `hold` is the field that turns holding off.
@@ -171,11 +174,11 @@ pub fn outlets_on_one_cell(name: &str, cell: ElectrodeCell, span: Span, other: S
     Diagnostic::new(Code::E0555, format!("reservoir `{name}` has its outlet at {cell}, where another has its own"))
         .label(span, "one electrode, two reservoirs")
         .label_elsewhere(other, span, "the other one")
-        .help("`at` gives the electrode onto which a reservoir dispenses: each has its own")
+        .help("give each its own outlet: `at` is the electrode onto which a reservoir dispenses")
 }
 
 pub fn parts_do_not_merge(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0527, "parts with (2, 2) electrodes do not merge, droplets with (1, 1) do")
+    Diagnostic::new(Code::E0527, "parts with (2, 2) electrodes do not merge; droplets with (1, 1) do")
         .label(span, "not on this device")
         .help("write two `move`s to cells that are far enough apart")
 }
@@ -195,7 +198,7 @@ pub fn merges_without_hold(span: Span, hold: Option<Span>) -> Diagnostic {
 }
 
 pub fn parts_do_not_split(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0557, "parts with (2, 2) electrodes do not split, droplets with (1, 1) do")
+    Diagnostic::new(Code::E0557, "parts with (2, 2) electrodes do not split; droplets with (1, 1) do")
         .label(span, "not on this device")
         .help("give the other part a place of its own in the scene, as `part NAME at (5, 3)`")
 }
@@ -218,7 +221,7 @@ pub fn halves_too_near(span: Span, device: &str, apart: u32) -> Diagnostic {
 pub fn splits_from_itself(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0557, format!("`{name}` cannot be split from itself"))
         .label(span, "one droplet, named twice")
-        .help("after `split` comes the new droplet, a `part` without `at` in the scene; the other one keeps its name")
+        .help("name the new droplet after `split`, a `part` without `at` in the scene; the other one keeps its name")
 }
 
 /// The cell at which a droplet is split, and the step that splits it.
@@ -233,8 +236,10 @@ pub fn comes_not_beside(place: SplitPlace, to: ElectrodeCell, span: Span) -> Dia
     let SplitPlace { at, .. } = place;
     let beside = ElectrodeCell::new(at.column.saturating_add(1), at.row);
     Diagnostic::new(Code::E0557, format!("{to} is not beside {at}, where the droplet is pulled apart"))
-        .label(span, "left, right, above or below it")
-        .help(format!("write `to {beside}`, or leave `to` out: that is the same; the other half goes the other way"))
+        .label(span, "must be left, right, above or below it")
+        .help(format!(
+            "write `to {beside}`, or leave `to` out, which means the same; the other half goes the opposite way"
+        ))
 }
 
 /// A half of a split that would come where it cannot be; `across` is a free cell beside the split in the perpendicular
@@ -253,18 +258,18 @@ pub fn half_has_no_room(
         }
     };
     let title = format!("no room for `{name}` at ({column}, {row}), where it goes when the droplet is split at {at}");
-    Diagnostic::new(Code::E0557, title).label(span, "one half to each side").help(help)
+    Diagnostic::new(Code::E0557, title).label(span, "one half goes to each side").help(help)
 }
 
 pub fn parts_do_not_mix(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0558, "parts with (2, 2) electrodes are not mixed, droplets with (1, 1) are")
+    Diagnostic::new(Code::E0558, "parts with (2, 2) electrodes are not mixed; droplets with (1, 1) are")
         .label(span, "not on this device")
         .help("write `incubate` to leave a part where it is for a time")
 }
 
 /// An invalid field `mixer`.
 pub fn no_mixing_loop(found: &Value) -> Diagnostic {
-    let title = format!("a `mixer` has two columns and two rows or more, but this is {}", written(found));
+    let title = format!("a `mixer` needs two columns and two rows or more, but this is {}", written(found));
     Diagnostic::new(Code::E0558, title).help("write the columns and the rows of the loop, as `mixer: (2, 4)`")
 }
 
@@ -277,9 +282,10 @@ pub fn loop_blocked(
     cell: ElectrodeCell,
     free: Option<ElectrodeCell>,
 ) -> Diagnostic {
-    let title = format!("`{name}` cannot be mixed from {corner}: it cannot come to {cell}");
-    let help = nearest(free, "from which the whole loop is free")
-        .unwrap_or_else(|| "no cell of this board will do: give the device a smaller `mixer`".to_owned());
+    let title = format!("`{name}` cannot be mixed from {corner}: it cannot go to {cell}");
+    let help = nearest(free, "from which the whole loop is free").unwrap_or_else(|| {
+        "give the device a smaller `mixer`: no cell of this board leaves the whole loop free".to_owned()
+    });
     Diagnostic::new(Code::E0558, title)
         .label(span, format!("{columns} × {rows} electrodes, to the right and up from here"))
         .help(help)
@@ -288,7 +294,7 @@ pub fn loop_blocked(
 pub fn parts_contain_nothing(span: Span) -> Diagnostic {
     Diagnostic::new(
         Code::E0559,
-        "parts with (2, 2) electrodes contain nothing that merges or splits, droplets with (1, 1) do",
+        "parts with (2, 2) electrodes contain nothing that merges or splits; droplets with (1, 1) do",
     )
     .label(span, "not on this device")
     .help("`require` compares `steps`, `sum_of_costs`, `moves` and `time` of their plans")
@@ -321,29 +327,29 @@ pub fn unknown_fluid(
 
 /// `avoid` or `wash` for microparts, which leave no traces.
 pub fn parts_leave_no_traces(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0565, "parts with (2, 2) electrodes leave no traces, but droplets with (1, 1)")
+    Diagnostic::new(Code::E0565, "parts with (2, 2) electrodes leave no traces; droplets with (1, 1) do")
         .label(span, "not on this device")
         .help("leave the line out")
 }
 
 /// A wash in a task that avoids nothing.
 pub fn washes_nothing(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0565, "`wash` takes away traces, but this task avoids none")
+    Diagnostic::new(Code::E0565, "`wash` removes traces, but this task avoids none")
         .label(span, "no `avoid` in the task")
-        .help("say what must not come into what before it, as `avoid blood in serum`")
+        .help("write before it what must not contaminate what, as `avoid blood in serum`")
 }
 
 /// A wash fluid that the task also avoids or protects.
 pub fn avoids_a_wash(span: Span, fluid: &str, wash: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0565, format!("`{fluid}` washes, so it leaves no traces and takes no harm"))
+    Diagnostic::new(Code::E0565, format!("`{fluid}` is a wash fluid, so it leaves no traces and is not contaminated"))
         .label(span, "avoids nothing")
-        .label_elsewhere(wash, span, "washes by this")
+        .label_elsewhere(wash, span, "washed with here")
         .help("leave out this line, or wash with another fluid")
 }
 
 /// Wash droplets from something other than a reservoir.
 pub fn washes_from_no_reservoir(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0565, format!("`{name}` is no reservoir, so no wash droplets come from it"))
+    Diagnostic::new(Code::E0565, format!("`{name}` is not a reservoir, so no wash droplets come from it"))
         .label(span, "a part that is on the board")
         .help("name a `reservoir` of the scene, or leave out `to CELL` and send the part itself where it is to wash")
 }
@@ -358,25 +364,24 @@ pub fn washes_by_two(span: Span, earlier: Span) -> Diagnostic {
 
 /// Traces that an earlier task has left on the same board.
 pub fn soiled_before(avoided: Span, fluid: &str, earlier: &Job) -> Diagnostic {
-    let title =
-        format!("the traces of `{fluid}` that `{}` has left on `{}` are not heeded", earlier.task, earlier.device);
+    let title = format!("the traces of `{fluid}` that `{}` left on `{}` are ignored", earlier.task, earlier.device);
     Diagnostic::new(Code::W0513, title)
         .label(avoided, "the board counts as clean before this task")
-        .label_elsewhere(earlier.run_span, avoided, format!("leads `{fluid}` over it"))
-        .help("write all operations into one `assay`; or clean the board in between, and say so in the first step: `prompt \"clean the board\"`")
+        .label_elsewhere(earlier.run_span, avoided, format!("moves `{fluid}` across it"))
+        .help("write all operations into one `assay`; or clean the board in between, with a first step that asks for it: `prompt \"clean the board\"`")
 }
 
 /// More droplets than a board can have, with the added wash droplets.
 pub fn too_many_washes(span: Span, washes: usize, parts: usize, most: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0522, format!("{washes} wash droplets beside {parts} parts; at most {most} are allowed"))
+    Diagnostic::new(Code::E0522, format!("{washes} wash droplets and {parts} parts; at most {most} are allowed"))
         .label(span, "adds them")
-        .help("give fluids that harm each other places of their own, or divide the work among several tasks")
+        .help("give fluids that contaminate each other places of their own, or divide the work among several tasks")
 }
 
 /// Moving steps besides the single assay of a task that avoids traces.
 pub fn avoids_outside_assay(span: Span, avoided: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0565, "traces are avoided in one `assay`, and not from step to step")
-        .label(span, "besides it")
+    Diagnostic::new(Code::E0565, "traces are avoided only within one `assay`, not from step to step")
+        .label(span, "outside it")
         .label_elsewhere(avoided, span, "avoided here")
         .help("write all operations of the task into one `assay { … }`; before it, the board counts as clean")
 }
@@ -385,7 +390,7 @@ pub fn avoids_outside_assay(span: Span, avoided: Span) -> Diagnostic {
 pub fn harms_at_one_place(span: Span, [left, comes]: [&str; 2], cell: ElectrodeCell) -> Diagnostic {
     Diagnostic::new(Code::E0565, format!("`{left}` and `{comes}` both stop at {cell}, and each contaminates the other"))
         .label(span, format!("`{left}` stops there too"))
-        .help("give each a place of its own, or write `wash with FLUID to CELL`, which has a droplet of it pass there between the two")
+        .help("give each a place of its own, or write `wash with FLUID to CELL`, which sends a droplet of it there between the two")
 }
 
 /// A droplet that stops where another one starts that contaminates it.
@@ -396,9 +401,9 @@ pub fn stops_where_another_starts(
     cell: ElectrodeCell,
 ) -> Diagnostic {
     Diagnostic::new(Code::E0565, format!("`{comes}` stops at {cell}, where `{left}` starts and contaminates it"))
-        .label(stop, format!("the traces of `{left}` are there before"))
-        .label_elsewhere(start, stop, format!("`{left}` stands there at first"))
-        .help("give it another place, or write `wash with FLUID to CELL`, which has a droplet of it pass there between the two")
+        .label(stop, format!("the traces of `{left}` are already there"))
+        .label_elsewhere(start, stop, format!("`{left}` starts there"))
+        .help("give it another place, or write `wash with FLUID to CELL`, which sends a droplet of it there between the two")
 }
 
 /// A droplet that ends where another one stops that contaminates it; `is_written_before` says whether the program sends
@@ -415,8 +420,8 @@ pub fn ends_where_another_stops(
         .label(stop, format!("`{left}` leaves its traces there, sooner or later"))
         .label_elsewhere(end, stop, format!("`{ends}` stays there to the end"))
         .help(format!(
-            "let it leave afterwards: `discard {ends} at CELL` or `move {ends} to CELL`; or {order}write `wash with FLUID to CELL`, which has a \
-             droplet of it pass there between the two"
+            "send it away afterwards: `discard {ends} at CELL` or `move {ends} to CELL`; or {order}write `wash with FLUID to CELL`, which sends \
+             a droplet of it there between the two"
         ))
 }
 
@@ -431,10 +436,10 @@ pub fn other_content(
     let wanted = format!("{}{}", words_of(content.relation), fraction(content.limit));
     let title = match &content.share {
         DropletShare::Volume => {
-            format!("the volume of `{name}` is {} at the end, {wanted} is required", droplets(reached))
+            format!("the volume of `{name}` is {} at the end, but {wanted} is required", droplets(reached))
         }
         DropletShare::Fluid(fluid) => {
-            format!("`{name}` is {} `{fluid}` at the end, {wanted} is required", fraction(reached))
+            format!("`{name}` is {} `{fluid}` at the end, but {wanted} is required", fraction(reached))
         }
     };
     let help = format!("change what it merges with or how often it is split, or require {}", fraction(reached));
@@ -482,9 +487,9 @@ pub fn wide_droplets(
     apart: u32,
 ) -> Diagnostic {
     let width = digits((20.0 * half_width).ceil() / 10.0);
-    let title = format!("`{name}` becomes so wide that it can touch `{other}`, {apart} electrodes from it");
+    let title = format!("`{name}` becomes so wide that it can touch `{other}`, {apart} electrodes away");
     Diagnostic::new(Code::W0517, title)
-        .label(span, format!("{} by then, some {width} electrodes wide; `{other}` is {}", droplets(volume), droplets(others)))
+        .label(span, format!("{} by then, about {width} electrodes wide; `{other}` is {}", droplets(volume), droplets(others)))
         .help(format!(
             "write `separation: {}` for `{device}`, or, if it carries such droplets and they stay away from each other, `most_volume: {}`",
             (half_width + others_half).ceil(),
@@ -516,7 +521,7 @@ pub fn loop_near_part(name: &str, span: Span, corner: ElectrodeCell, stays: Part
     let PartPlace { name: other, cell, span: since } = stays;
     let title = format!("the loop in which `{name}` is mixed from {corner} comes too near to `{other}` at {cell}");
     Diagnostic::new(Code::E0524, title)
-        .label(span, format!("{apart} electrodes are needed"))
+        .label(span, format!("at least {apart} electrodes are needed"))
         .label_elsewhere(since, span, format!("`{other}` is at {cell} by then"))
-        .help(format!("mix elsewhere, or send `{other}` away before"))
+        .help(format!("mix elsewhere, or send `{other}` away first"))
 }

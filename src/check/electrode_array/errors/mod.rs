@@ -38,7 +38,7 @@ pub fn radius_out_of_table(radius: String, [least, most]: [String; 2], nearest: 
 }
 
 pub fn radius_twice(radius: String, first: Span, second: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0409, format!("two rows of forces for a radius of {radius}"))
+    Diagnostic::new(Code::E0409, format!("`forces` has two rows for a radius of {radius}"))
         .label(second, "again here")
         .label(first, "first here")
         .help("keep one of the two: between the rows of a table forces are interpolated")
@@ -51,8 +51,11 @@ pub fn gap_out_of_limits(ratio: f64, limit: f64, [least, most]: [Option<f64>; 2]
         (None, Some(most)) => format!("{} or less", digits(most)),
         (None, None) => "any".to_owned(),
     };
-    let what =
-        if ratio < limit { "sparks leap between electrodes that are nearer" } else { "a part is not pulled further" };
+    let what = if ratio < limit {
+        "sparks jump between electrodes that are nearer"
+    } else {
+        "a part is not pulled across a wider gap"
+    };
     Diagnostic::new(Code::E0410, format!("pitch ratio {} must be {range}", digits(ratio)))
         .help(format!("make `pitch_ratio` {}: {what}", digits(limit)))
 }
@@ -78,7 +81,7 @@ pub fn potential_too_low(
 ) -> Diagnostic {
     let title = match (least, balance) {
         (Some(least), _) => {
-            format!("a potential of {potential}, to move a part over electrodes of {radius} takes {least}")
+            format!("a potential of {potential} is too low: moving a part over electrodes of {radius} takes {least}")
         }
         (None, Some(balance)) => {
             format!("friction of {} holds a part that is pulled with {}", balance.friction, balance.lateral)
@@ -86,16 +89,16 @@ pub fn potential_too_low(
         (None, None) => format!("a potential of {potential} moves no part"),
     };
     let forces = balance.map(|Balance { lateral, friction, net, there, known_by }| {
-        let there = there.as_ref().map(|there| format!(", {there} there")).unwrap_or_default();
+        let there = there.as_ref().map(|there| format!(" ({there} at the potential needed)")).unwrap_or_default();
         let known = known_by.map(|known_by| {
-            format!("; the net force is above 0 by this model, but the limit is {known_by}: less is not known to move a part")
+            format!("; this model gives a net force above 0, but the limit is {known_by}: less is not known to move a part")
         });
         let known = known.unwrap_or_default();
-        format!(": at {potential} a part is pulled with {lateral}, static friction is {friction}, net {net}{there}{known}")
+        format!(": at {potential} a part is pulled with {lateral} against a static friction of {friction}, net {net}{there}{known}")
     });
     let mend = match (least, most_friction) {
         (Some(least), _) => format!("raise `potential` to {least}"),
-        (None, Some(friction)) => format!("no potential moves it: bring `friction` down to {}", digits(friction)),
+        (None, Some(friction)) => format!("no potential moves it: lower `friction` to {}", digits(friction)),
         (None, None) => "raise `potential`".to_owned(),
     };
     Diagnostic::new(Code::E0411, title).help(format!("{mend}{}", forces.unwrap_or_default()))
@@ -111,45 +114,45 @@ pub fn step_too_short(step: &str, settling: &str, least: &str) -> Diagnostic {
 
 pub fn never_settles(drag: &str) -> Diagnostic {
     Diagnostic::new(Code::E0412, "a part does not come to rest on the next cell").help(format!(
-        "check the unit of `{drag}`: without drag a part swings about its goal, in thick liquid it creeps"
+        "check the unit of `{drag}`: without drag a part swings about its goal, and in thick liquid it creeps"
     ))
 }
 
 pub fn rows_of_map(found: usize, rows: u32) -> Diagnostic {
     Diagnostic::new(
         Code::E0429,
-        format!("`channels` has {found} rows, the board has {rows}").replace(" 1 rows", " 1 row"),
+        format!("`channels` has {found} rows, but the board has {rows}").replace(" 1 rows", " 1 row"),
     )
     .help("write a list for each row, the top row first, with `none` where the board has no electrode")
 }
 
 pub fn row_of_map(row: u32, found: usize, columns: u32) -> Diagnostic {
-    let title = format!("row {row} of `channels` has {found} places, the board has {columns} columns");
+    let title = format!("row {row} of `channels` has {found} places, but the board has {columns} columns");
     Diagnostic::new(Code::E0429, title.replace(" 1 places", " 1 place").replace(" 1 columns", " 1 column"))
         .help("write a number or `none` for each column, from the left")
 }
 
 /// A channel with several electrodes on a board of microparts.
 pub fn microparts_on_shared_channel(channel: u32) -> Diagnostic {
-    Diagnostic::new(Code::E0429, format!("channel {channel} is under several electrodes of a board that carries microparts"))
-        .help("write a number of its own at each place: a pair of electrodes moves a micropart; droplets alone are moved on shared channels")
+    Diagnostic::new(Code::E0429, format!("channel {channel} drives several electrodes of a board that carries microparts"))
+        .help("write a number of its own at each place: a pair of electrodes moves a micropart; only droplets are moved on shared channels")
 }
 
 /// More electrodes on shared channels than are replayed.
 pub fn too_many_sharing(electrodes: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0429, format!("{electrodes} electrodes share their channels, at most {MAX_SHARING} may"))
+    Diagnostic::new(Code::E0429, format!("{electrodes} electrodes share channels; at most {MAX_SHARING} may"))
         .help("give some of them channels of their own, or write `none` where no droplet goes")
 }
 
 pub fn no_electrode() -> Diagnostic {
-    Diagnostic::new(Code::E0429, "a board without an electrode")
+    Diagnostic::new(Code::E0429, "the board has no electrodes")
         .help("write the number of the driver's channel at each place that has an electrode")
 }
 
 /// Two fields of one file that both give channels.
 pub fn two_maps() -> Diagnostic {
-    Diagnostic::new(Code::E0429, "`map` and `channels` both have the channels of the electrodes")
-        .help("leave one of them out: `map` takes all from its file")
+    Diagnostic::new(Code::E0429, "`map` and `channels` both give the channels of the electrodes")
+        .help("remove one of them: `map` takes everything from its file")
 }
 
 /// A number of columns or rows that differs from that of the board file.
@@ -158,7 +161,7 @@ pub fn side_of_map(name: &str, given: u32, board: &BoardFile) -> Diagnostic {
     let title = format!("`{name}` is {given}, but the electrodes of `{path}` have {side} {name}");
     let title = if side == 1 { title.trim_end_matches('s').to_owned() } else { title };
     Diagnostic::new(Code::E0429, title)
-        .help(format!("leave `{name}` out, `map` takes it from the file, or write {side}"))
+        .help(format!("write {side}, or leave `{name}` out: `map` takes it from the file"))
 }
 
 /// Most electrode names in a label.
@@ -195,15 +198,15 @@ pub fn names_left_out(LeftOut { sharing, cut_off, off_lattice }: &LeftOut) -> St
 }
 
 pub fn microparts_need_all() -> Diagnostic {
-    Diagnostic::new(Code::E0429, "a board that carries microparts has an electrode that works at every place")
-        .help("for electrodes that do not work put an `obstacle` on their cells; gaps are for boards of droplets")
+    Diagnostic::new(Code::E0429, "a board that carries microparts needs a working electrode at every place")
+        .help("put an `obstacle` on the cells of electrodes that do not work; gaps are for boards of droplets")
 }
 
 pub fn nothing_to_disable(facts: &ElectrodeArrayFacts, value: &Value) -> Diagnostic {
     let ElectrodeArrayFacts { columns, rows, .. } = facts;
-    let title = format!("{} is no electrode of the board", written(value));
+    let title = format!("{} is not an electrode of the board", written(value));
     Diagnostic::new(Code::E0429, title).help(format!(
-        "cells go from (1, 1), at the lower left, to ({columns}, {rows}); leave those out that `channels` has as `none`"
+        "cells go from (1, 1), at the lower left, to ({columns}, {rows}); leave out those that are `none` in `channels`"
     ))
 }
 
@@ -217,7 +220,7 @@ fn no_place(facts: &ElectrodeArrayFacts, cell: ElectrodeCell) -> Option<String> 
 }
 
 pub fn unknown_layout(found: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0413, format!("a part with {found} electrodes, boards carry (1, 1) and (2, 2)"))
+    Diagnostic::new(Code::E0413, format!("a part has {found} electrodes, but boards carry (1, 1) and (2, 2)"))
         .help("write `layout { electrodes: (2, 2), half_width: 1.5 }` for a micropart, `(1, 1)` for a droplet")
 }
 
@@ -232,14 +235,17 @@ pub fn body_too_small(half: f64, least: f64) -> Diagnostic {
 }
 
 pub fn bodies_touch(apart: u32, width_pitches: f64, least: u32) -> Diagnostic {
-    let title = format!("a separation of {apart}, parts of {} pitches touch", digits(width_pitches));
+    let title = format!("parts of {} pitches touch at a separation of {apart}", digits(width_pitches));
     Diagnostic::new(Code::E0414, title).help(format!("make `separation` {least} or more"))
 }
 
 pub fn parts_pulled(apart: u32, least: u32) -> Diagnostic {
     Diagnostic::new(
         Code::E0414,
-        format!("a separation of {apart}, one part's electrodes pull on the next up to {}", least - 1),
+        format!(
+            "at a separation of {apart}, the electrodes of one part pull on the next; they reach up to {}",
+            least - 1
+        ),
     )
     .help(format!("make `separation` {least} or more: an electrode pulls what lies beside it, diagonals included"))
 }
@@ -261,7 +267,7 @@ pub fn board_too_small(columns: u32, rows: u32, least: u32) -> Diagnostic {
 pub fn published_separation() -> Diagnostic {
     Diagnostic::new(Code::W0402, "the separations of table 3 let parts collide in 3 of its 25 entries")
         .help(
-            "unsafe are, with the first part to the right of and above the second: one to the right, two up (v1, v4), 4 rows \
+            "the unsafe ones, with the first part to the right of and above the second: one to the right, two up (v1, v4), 4 rows \
              apart; one to the left, two down (v2, v3), 4 columns apart; one down, two to the right (v3, v1), 4 rows or 4 \
              columns apart; the verifier refuses such steps: for real work write `separation: 4`",
         )
@@ -280,7 +286,7 @@ pub fn published_needs_published(chosen: Option<Span>) -> Diagnostic {
 
 pub fn stands_nowhere(span: Span, noun: &str, name: &str) -> Diagnostic {
     let dispensed = if noun == "part" { "; only droplets come out of reservoirs and other droplets" } else { "" };
-    Diagnostic::new(Code::E0515, format!("{noun} `{name}` stands nowhere"))
+    Diagnostic::new(Code::E0515, format!("{noun} `{name}` has no place"))
         .label(span, "where?")
         .help(format!("write `{noun} {name} at (5, 3)`, column and row from 1{dispensed}"))
 }
@@ -322,7 +328,7 @@ pub fn off_board(
     };
     let near = |at: i64, first: u32, last: u32| at.clamp(first.into(), last.into());
     let [column, row] = pair;
-    let title = format!("{noun} `{name}` at ({column}, {row}) is off the board, (1, 1) to ({columns}, {rows})");
+    let title = format!("{noun} `{name}` at ({column}, {row}) is off the board of (1, 1) to ({columns}, {rows})");
     Diagnostic::new(Code::E0515, title).label(span, format!("`{device}` has {columns} columns and {rows} rows")).help(
         format!(
             "the nearest {what} is ({}, {})",
@@ -334,7 +340,7 @@ pub fn off_board(
 
 /// The range of cells that a part can take, for a message.
 fn extent(reach: Option<[ElectrodeCell; 2]>) -> String {
-    reach.map_or("nothing".to_owned(), |[first, last]| format!("{first} to {last}"))
+    reach.map_or("no cell".to_owned(), |[first, last]| format!("{first} to {last}"))
 }
 
 fn nearest(cell: Option<ElectrodeCell>, what: &str) -> Option<String> {
@@ -349,9 +355,12 @@ pub fn part_out_of_reach(
     near: Option<ElectrodeCell>,
 ) -> Diagnostic {
     let (title, label) = match no_place(facts, cell) {
-        Some(why) => (format!("{noun} `{name}` cannot stand at {cell}: {why}"), "nothing holds it here"),
+        Some(why) => (format!("{noun} `{name}` cannot be at {cell}: {why}"), "nothing holds it here"),
         None => (
-            format!("{noun} `{name}` at {cell} stands over the rim, parts stand at {}", extent(facts.reach())),
+            format!(
+                "{noun} `{name}` at {cell} extends beyond the rim; part centres may be at {}",
+                extent(facts.reach())
+            ),
             "its electrodes do not fit on the board here",
         ),
     };
@@ -367,7 +376,7 @@ pub fn goal_out_of_reach(
     let cell =
         u32::try_from(column).ok().zip(u32::try_from(row).ok()).map(|(column, row)| ElectrodeCell::new(column, row));
     let title = cell.and_then(|cell| no_place(facts, cell)).unwrap_or_else(|| {
-        format!("cell ({column}, {row}) lies outside the cells that a part can take, {}", extent(facts.reach()))
+        format!("cell ({column}, {row}) is not one of the cells that a part can take, {}", extent(facts.reach()))
     });
     Diagnostic::new(Code::E0501, title).label(span, "cannot be reached").help_if(nearest(free, "that is free"))
 }
@@ -385,7 +394,9 @@ pub fn near_obstacle(
     let Spanned { value: cell, span } = place;
     let title = match distance {
         0 => format!("cell {cell} lies on obstacle `{name}`"),
-        distance => format!("cell {cell} lies {distance} electrodes from obstacle `{name}`; {apart} are needed"),
+        distance => {
+            format!("cell {cell} lies {distance} electrodes from obstacle `{name}`; at least {apart} are needed")
+        }
     };
     Diagnostic::new(code, title.replace(" 1 electrodes", " 1 electrode"))
         .label(span, if distance == 0 { "covered" } else { "too near" })
@@ -404,14 +415,14 @@ pub fn part_of_other_layout(
     Diagnostic::new(Code::E0521, title)
         .label(found.0, "another layout")
         .label(carried.0, "what the device carries")
-        .help("leave the layout out, and it is that of the device; one board carries parts of one layout")
+        .help("leave the layout out to use that of the device; one board carries parts of one layout")
 }
 
 /// `parts` has the part that starts too near, then the earlier one.
 pub fn starts_too_near(parts: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
     let [PartPlace { name, cell, span }, PartPlace { name: other, cell: at, span: other_span }] = parts;
     let title = match cell.apart(at) {
-        0 => format!("parts `{other}` and `{name}` start on one cell"),
+        0 => format!("parts `{other}` and `{name}` start on the same cell"),
         distance => {
             format!("parts `{other}` and `{name}` start {}; the least distance is {apart}", electrodes(distance))
         }
@@ -430,7 +441,7 @@ fn electrodes(distance: u32) -> String {
 pub fn goals_too_near(goals: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
     let [PartPlace { name, cell, span }, PartPlace { name: other, cell: at, span: other_span }] = goals;
     let title = match cell.apart(at) {
-        0 => format!("parts `{other}` and `{name}` have one goal"),
+        0 => format!("parts `{other}` and `{name}` have the same goal"),
         distance => {
             format!("the goals of `{other}` and `{name}` are {}; the least distance is {apart}", electrodes(distance))
         }
@@ -443,7 +454,7 @@ pub fn goals_too_near(goals: [PartPlace; 2], apart: u32, free: Option<ElectrodeC
 
 /// As [`goals_too_near`], for the last stops of parts that may go on from there.
 pub fn ends_too_near(ends: [PartPlace; 2], apart: u32, free: Option<ElectrodeCell>) -> Diagnostic {
-    let on = format!("let `{}` or `{}` go on from there, with `move` or `discard`", ends[1].name, ends[0].name);
+    let on = format!("send `{}` or `{}` on from there, with `move` or `discard`", ends[1].name, ends[0].name);
     let nearest = nearest(free, &format!("that is free for `{}`", ends[0].name));
     let help = nearest.map_or_else(|| on.clone(), |nearest| format!("{on}; {nearest}"));
     goals_too_near(ends, apart, free).help(help)
@@ -503,8 +514,8 @@ pub fn obstacle_comes_near(
         }
     };
     Diagnostic::new(Code::E0530, title)
-        .label(run, "begins with another scene than the run before")
-        .label(since, format!("`{name}` is at {cell} since this"))
+        .label(run, "begins with a different scene from the previous run")
+        .label(since, format!("`{name}` has been at {cell} since this"))
         .label(at, "the obstacle")
         .help(format!("send `{name}` away before this run, or give the tasks of the device one scene"))
 }
@@ -512,8 +523,8 @@ pub fn obstacle_comes_near(
 pub fn unlike_parts(run: Span, device: &str, name: &str) -> Diagnostic {
     Diagnostic::new(
         Code::E0528,
-        format!("tasks of `{device}` in one schedule have unlike parts: `{name}` is not in both scenes"),
+        format!("tasks of `{device}` in one schedule have different parts: `{name}` is not in both scenes"),
     )
-    .label(run, "runs with other parts than before")
+    .label(run, "not the same parts as before")
     .help("a board keeps its parts between tasks: give all of them one scene, or scenes with parts of the same names")
 }

@@ -11,15 +11,15 @@ use std::collections::BTreeSet;
 const MOST_NAMED: usize = 4;
 
 pub fn no_team(span: Span, name: &str, families: &BTreeSet<&str>, scene: Option<Span>) -> Diagnostic {
-    let title = format!("no part of the scene is `{name}` with an index");
+    let title = format!("the scene has no parts `{name}[…]`");
     let mend = match families.first() {
         Some(first) => {
             let all: Vec<String> = families.iter().map(|own| format!("`any {own}`")).collect();
             let known = if all.len() > MOST_NAMED { format!("`any {first}` and others") } else { all.join(", ") };
-            format!("the scene has {known}; one part alone is moved without `any`")
+            format!("the scene has {known}; move a single part without `any`")
         }
         None => format!(
-            "`any {name}` moves the parts `{name}[0]`, `{name}[1]` and on of the scene; one part alone is moved without `any`"
+            "`any {name}` moves the parts `{name}[0]`, `{name}[1]` and so on of the scene; move a single part without `any`"
         ),
     };
     let diagnostic = Diagnostic::new(Code::E0572, title).label(span, "stands for no part");
@@ -64,13 +64,13 @@ pub fn team_goals_too_near(goals: [PartPlace; 2], apart: u32, free: Option<Elect
 }
 
 pub fn team_too_large(span: Span, name: &str, parts: usize) -> Diagnostic {
-    Diagnostic::new(Code::E0572, format!("`any {name}` is {parts} parts, the most are {MAX_TEAM}"))
+    Diagnostic::new(Code::E0572, format!("`any {name}` is {parts} parts; at most {MAX_TEAM} are allowed"))
         .label(span, "too many to choose among")
         .help("give the parts several names, and each name its own goals")
 }
 
 pub fn team_in_assay(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0572, "`move any` cannot stand in an `assay`")
+    Diagnostic::new(Code::E0572, "`move any` cannot be part of an `assay`")
         .label(span, "an operation of no part in particular")
         .help("write it as a step before or after the `assay`, or move each part of it by name")
 }

@@ -13,7 +13,7 @@ const SHOWN_ZONES: usize = 6;
 pub fn zones_overlap(zone: &BoardZone, other: &BoardZone, shared: ElectrodeCell) -> Diagnostic {
     let (noun, one, two) = (zone.sort.name(), &zone.name, &other.name);
     Diagnostic::new(Code::E0574, format!("{noun}s `{one}` and `{two}` share electrode {shared}"))
-        .label(zone.span, "covers it, too")
+        .label(zone.span, "covers it too")
         .label_elsewhere(other.span, zone.span, "the other one")
         .help(format!("give each {noun} electrodes of its own, or make them one"))
 }
@@ -21,7 +21,7 @@ pub fn zones_overlap(zone: &BoardZone, other: &BoardZone, shared: ElectrodeCell)
 /// A detector with room for two parts.
 pub fn detector_too_large(zone: &BoardZone, [columns, rows]: [u32; 2], apart: u32) -> Diagnostic {
     let title = format!(
-        "two parts have room under detector `{}`, {columns} × {rows} electrodes: parts keep {apart} apart",
+        "detector `{}` of {columns} × {rows} electrodes has room for two parts: parts keep {apart} apart",
         zone.name
     );
     Diagnostic::new(Code::E0574, title)
@@ -39,7 +39,7 @@ pub fn zone_of_other_sort<'n>(
     let (name, is) = (&zone.name, zone.sort);
     let others: Vec<String> = others.take(SHOWN_ZONES).map(|name| format!("`{name}`")).collect();
     let help = match others.as_slice() {
-        [] => format!("at a {} parts stay with `{}`; or declare a {}", is.name(), is.verb().name(), sort.name()),
+        [] => format!("use `{}` at a {}, or declare a {}", is.verb().name(), is.name(), sort.name()),
         some => format!("{}s of this scene: {}", sort.name(), some.join(", ")),
     };
     Diagnostic::new(
@@ -67,7 +67,7 @@ pub fn no_zone_here(span: Span, cell: ElectrodeCell, sort: ZoneSort, near: Optio
 pub fn temperature_out_of_range(span: Span, asked: Quantity, device: &str, field: &str, limit_k: f64) -> Diagnostic {
     let limit = Quantity::new(limit_k, Dimension::TEMPERATURE);
     let word = if asked.si < limit_k { "lowest" } else { "highest" };
-    let title = format!("the heaters of `{device}` do not come to {asked}; their {word} temperature is {limit}");
+    let title = format!("the heaters of `{device}` cannot be set to {asked}; their {word} temperature is {limit}");
     Diagnostic::new(Code::E0575, title)
         .label(span, "out of their range")
         .help(format!("write {limit}, or correct `{field}` of the device"))
@@ -77,10 +77,10 @@ pub fn temperature_out_of_range(span: Span, asked: Quantity, device: &str, field
 pub fn two_temperatures(name: &str, asked_k: f64, span: Span, first_k: f64, first: Span) -> Diagnostic {
     let text = |si: f64| Quantity::new(si, Dimension::TEMPERATURE).to_string();
     let (asked, before) = (text(asked_k), text(first_k));
-    Diagnostic::new(Code::E0575, format!("heater `{name}` is to be at {asked}, but also at {before}"))
+    Diagnostic::new(Code::E0575, format!("heater `{name}` is set to {asked}, but also to {before}"))
         .label(span, asked)
         .label_elsewhere(first, span, before)
-        .help("a heater keeps one temperature for the whole program: declare another heater for the other one")
+        .help("declare another heater for one of them: a heater keeps one temperature for the whole program")
 }
 
 /// A temperature that no heater of the drivers is set to; `set` has the instrument, heater number and setting in
@@ -97,7 +97,7 @@ pub fn no_heater_so_warm(
         set.iter().map(|(driver, number, degc)| format!("`heater{number}` of `{driver}` to {degc} degC")).collect();
     let (driver, number, degc) = set[0];
     let other = setting.map(|setting| format!("write `heater{number}: {setting} degC` for `{driver}`, or "));
-    Diagnostic::new(Code::W0514, format!("`{name}` is to be at {asked}, and no heater of the bench is set to that"))
+    Diagnostic::new(Code::W0514, format!("`{name}` is to be at {asked}, but no heater of the bench is set to that"))
         .label(span, asked)
         .help(format!(
             "the bench sets {}: {}write `to {degc} degC` here",
@@ -111,7 +111,7 @@ pub fn no_heater_so_warm(
 pub fn no_magnet_raised(magnet: &str, span: Span, output: &str) -> Diagnostic {
     let title = format!("`{magnet}` holds a droplet while the magnets of the bench are down");
     Diagnostic::new(Code::W0516, title).label(span, "nothing is held here").help(format!(
-        "write `set {output} to high` before the `assay` with this `hold`, and `set {output} to low` behind it"
+        "write `set {output} to high` before the `assay` with this `hold`, and `set {output} to low` after it"
     ))
 }
 
@@ -127,15 +127,15 @@ pub fn beads_left_behind(
     let name = &magnet.name;
     let (title, help) = match stays {
         [false, true] => (
-            format!("magnet `{name}` holds what is in `{part}`, and `{half}` gets it"),
+            format!("magnet `{name}` holds what is in `{part}`, but `{half}` gets it"),
             format!("write `to {end}`, so that `{part}` stays over the magnet"),
         ),
         [false, false] => (
-            format!("magnet `{name}` holds what is in `{part}`, and neither `{part}` nor `{half}` stays over it"),
-            format!("give `{name}` an electrode more, where `{part}` ends: {end}"),
+            format!("magnet `{name}` holds what is in `{part}`, but neither `{part}` nor `{half}` stays over it"),
+            format!("give `{name}` one more electrode, where `{part}` ends: {end}"),
         ),
         [true, _] => (
-            format!("magnet `{name}` holds what is in `{part}`, and both `{part}` and `{half}` stay over it"),
+            format!("magnet `{name}` holds what is in `{part}`, but both `{part}` and `{half}` stay over it"),
             format!("split it at the edge of `{name}`, so that one of them stays over the magnet"),
         ),
     };
