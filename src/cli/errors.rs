@@ -216,7 +216,7 @@ pub fn not_a_log(path: &Path) -> Diagnostic {
     let checked = is_program.then(|| {
         format!("a program is checked by `tweeze check {shown}`; `tweeze verify` reads the `.mcap` file of its build")
     });
-    let title = format!("`{shown}` does not begin as an MCAP log does");
+    let title = format!("`{shown}` does not begin like an MCAP log");
     Diagnostic { title, ..LogError::NotALog.diagnostic() }.help_if(checked)
 }
 

@@ -324,7 +324,7 @@ ledger! {
     E0822 "a file would be larger than its readers accept"
     E0823 "a schedule has more sample points than the instrument accepts"
     E0824 "no channel is wired to an instrument that plays a format"
-    E0825 "a file could not be composed"
+    E0825 "a file could not be generated"
     E0826 "a stage must be in two places"
     E0827 "a format for positions meets something else"
     E0828 "a picture requested after the end of the schedule"

@@ -416,21 +416,13 @@ pub(super) fn two_points(span: Span, written: &str) -> Diagnostic {
 
 pub(super) fn bare_point(span: Span, written: &str) -> Diagnostic {
     let digits = quote(written.trim_end_matches('.'));
-    bad_number(
-        span,
-        format!("`{}` ends with a decimal point", quote(written)),
-        format!("write `{digits}` or `{digits}.0`"),
-    )
-    .mended_here(written.trim_end_matches('.'))
+    bad_number(span, format!("`{}` ends with a point", quote(written)), format!("write `{digits}` or `{digits}.0`"))
+        .mended_here(written.trim_end_matches('.'))
 }
 
 pub(super) fn bare_fraction(span: Span, written: &str) -> Diagnostic {
-    bad_number(
-        span,
-        format!("`{}` begins with a decimal point", quote(written)),
-        format!("write `0{}`", quote(written)),
-    )
-    .mended_here(format!("0{written}"))
+    bad_number(span, format!("`{}` begins with a point", quote(written)), format!("write `0{}`", quote(written)))
+        .mended_here(format!("0{written}"))
 }
 
 pub(super) fn no_exponent(span: Span, written: &str) -> Diagnostic {

@@ -94,7 +94,7 @@ pub fn family_page(family: Family) -> String {
         page.section(&format!("Fields of a wire, or of all wires of a wiring: {to}"), sort.fields().iter().map(field));
     }
     let (file, instrument) = family.library();
-    page.text(&format!("\nTo start: use {file}, then `instrument NAME : {instrument}`"));
+    page.text(&format!("\nTo begin with: use {file}, then `instrument NAME : {instrument}`"));
     page.text(&format!("Played by: `tweeze build FILE.twz --emit {}`", family.format()));
     page.text
 }

@@ -200,7 +200,7 @@ fn summary(task: &str, seed: u64, report: &SimulationReport) -> String {
     let share = |share: f64| format!("{:.1}", share * 100.0);
     let area = |area: ShareSpread| format!("{} / {} / {} %", share(area.mean), share(area.p5), share(area.min));
     let area = format!(
-        "share of the goal's area that they cover: {}, as a shape {} (mean, 5 %, least)",
+        "covered area of the goal: {}, as a shape {} (mean, 5 %, least)",
         area(report.area_in_place),
         area(report.area_of_shape)
     );
