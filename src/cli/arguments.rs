@@ -16,7 +16,7 @@ use std::path::PathBuf;
 pub struct Invocation {
     #[command(subcommand)]
     pub command: Command,
-    /// Colours of reports and diagnostics; `auto` is for terminals without `NO_COLOR`
+    /// Colours of reports and diagnostics; `auto` uses them on terminals unless `NO_COLOR` is set
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value = "auto", hide_possible_values = true)]
     pub color: ColourChoice,
 }
@@ -164,7 +164,7 @@ pub struct CheckArguments {
     pub settings: Settings,
     #[command(flatten)]
     pub quiet: QuietArgument,
-    /// Format of diagnostics on standard error, of SARIF on standard output; with `json`, the line of success is JSON too
+    /// Format of diagnostics, on standard error (SARIF on standard output); with `json`, the success line is JSON too
     #[arg(long, value_enum, default_value = "human")]
     pub format: CheckFormat,
 }
@@ -342,7 +342,7 @@ pub struct FmtArguments {
 
 #[derive(Debug, Args)]
 pub struct DevicesArguments {
-    /// A device kind or a program; all kinds are listed if omitted
+    /// A device kind, a family of instruments or a program; all kinds and families are listed if omitted
     #[arg(value_name = "KIND|FILE.twz")]
     pub subject: Option<String>,
     #[command(flatten)]

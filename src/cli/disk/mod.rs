@@ -258,7 +258,7 @@ pub fn settle(file: &Path) -> Diagnosed {
     }
     let unfinished = |why: &io::Error| Box::new(errors::unfinished(folder, JOURNAL, why));
     if !commit::KNOWS_FILES {
-        let why = io::Error::new(io::ErrorKind::Unsupported, "this system does not report the owner of its journal");
+        let why = io::Error::new(io::ErrorKind::Unsupported, "this system does not report who owns the journal");
         return Err(unfinished(&why));
     }
     Folder::open(folder, &RealDisk).map(drop).map_err(|fault| unfinished(&fault.error))
