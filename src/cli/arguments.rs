@@ -16,7 +16,7 @@ use std::path::PathBuf;
 pub struct Invocation {
     #[command(subcommand)]
     pub command: Command,
-    /// Colours of reports and diagnostics; `auto` is for terminals without `NO_COLOR`
+    /// Colours of reports and diagnostics; `auto` uses them on terminals unless `NO_COLOR` is set
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value = "auto", hide_possible_values = true)]
     pub color: ColourChoice,
 }
@@ -30,14 +30,13 @@ pub enum ColourChoice {
 }
 
 const EXIT_STATUS: &str = "\
-Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3 verification refused a schedule; 4 a file \
-could not be read or written; 5 tweeze itself failed, which is a bug; 6 a task was given up while it was controlled.
+Exit status: 0 done; 1 the program has errors; 2 wrong usage; 3 a schedule failed verification; 4 a file could not be read or written; 5 tweeze itself failed, which is a bug; 6 a controlled task was given up.
 
-Begin with `tweeze build FILE.twz`; `tweeze devices` lists what can be programmed.";
+Start with `tweeze build FILE.twz`; `tweeze devices` lists what can be programmed.";
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Report every error of programs, each once; with --plan also whether each task has a plan
+    /// Report every error in programs, each once; with --plan, also search for a plan of each task
     #[command(after_help = "Examples:\n  tweeze check fetch.twz --set pitch=80um\n  tweeze check fetch.twz --plan\n  \
                             tweeze check *.twz --format sarif > tweeze.sarif")]
     Check(CheckArguments),
@@ -45,10 +44,10 @@ pub enum Command {
     #[command(after_help = "Examples:\n  tweeze build fetch.twz\n  \
                       tweeze build fetch.twz --emit mcap,csv,scpi -o out --task fetch\n  \
                       tweeze build *.twz --emit all -o out --quiet\n\n\
-                      With several programs each is built by itself; the exit status is the gravest one.\n\
+                      Several programs are built independently of each other; the exit status is the most severe one.\n\
                       With --watch they are built again whenever they change.")]
     Build(BuildArguments),
-    /// Replay a written log against the device models, independently of the planner; or judge the recording of a controlled run
+    /// Replay a written log against the device models, independently of the planner; or check the recording of a controlled run
     #[command(after_help = "Examples:\n  tweeze verify fetch.mcap\n  tweeze verify fetch.mcap --against fetch.twz\n  \
                       tweeze verify fetch.mcap --against fetch.twz --set pitch=80um\n  \
                       tweeze verify fetch.mcap --replan\n  \
@@ -57,29 +56,26 @@ pub enum Command {
     /// Write the page that plays a program or a log, and open it in the browser
     #[command(
         after_help = "Examples:\n  tweeze view fetch.twz --watch\n  tweeze view out/fetch.mcap -o out --no-open\n\n\
-                            A log is verified first; one that breaks rules is shown with them, as LOG.failed.html. Of a program with errors the page, FILE.failed.html, shows these at their lines and in the scene. \
-                            The page is one file: it needs no network and can be passed on."
+                            A log is verified first; one that violates rules is shown with its violations, as LOG.failed.html. For a program with errors, the page, FILE.failed.html, shows them at their lines and in the scene. The page is one file: it needs no network and can be shared."
     )]
     View(ViewArguments),
-    /// Make a folder with a small program that builds at once
+    /// Create a folder with a small program that builds right away
     #[command(after_help = "Examples:\n  tweeze new fetch\n  tweeze new quartet --kind microrobots\n  \
                       tweeze new dilution --template assay")]
     New(NewArguments),
     /// Explain a diagnostic, with an example and its fix
     #[command(after_help = "Example: tweeze explain E0503")]
     Explain(ExplainArguments),
-    /// Write programs in their canonical form: blanks, indentation, columns and units; line breaks and comments stay
+    /// Write programs in their canonical form: spacing, indentation, columns and units; line breaks and comments stay
     #[command(
         after_help = "Examples:\n  tweeze fmt fetch.twz\n  tweeze fmt --diff fetch.twz\n  tweeze fmt --check .\n  \
-                      tweeze fmt - < fetch.twz\n\nA declaration with a syntax error stays as it is, and the error is \
-                      reported. Exit status: 0 done; 1 a program has syntax errors or, with --check, would change."
+                      tweeze fmt - < fetch.twz\n\nA declaration with a syntax error is left unchanged, and the error is reported. Exit status: 0 done; 1 a program has syntax errors or, with --check, would change."
     )]
     Fmt(FmtArguments),
-    /// Serve an editor on standard input and output, by the Language Server Protocol
+    /// Serve an editor on standard input and output, with the Language Server Protocol
     #[command(after_help = "Editors start it themselves, as `tweeze lsp`. Example for Helix, in languages.toml:\n  \
                       [language-server.tweeze]\n  command = \"tweeze\"\n  args = [\"lsp\"]\n\n\
-                      Settings for Neovim and Helix are in docs/editor.md. It gives diagnostics while you type, the meaning of \
-                      words, completion, declarations, and the canonical form; saved programs are planned. Exit status: 0 ended as agreed; 1 not.")]
+                      Settings for Neovim and Helix are in docs/editor.md. It provides diagnostics while you type, the meaning of words, completion, declarations and formatting; saved programs are planned. Exit status: 0 after an orderly shutdown; 1 otherwise.")]
     Lsp(LspArguments),
     /// Simulate the assemblies of a program with imperfect robots and measurements, and count the outcomes
     #[command(after_help = "Examples:\n  tweeze simulate assemble.twz --trials 1000 --seed 7\n  \
@@ -148,7 +144,7 @@ impl CheckFormat {
 
 #[derive(Debug, Args)]
 pub struct LspArguments {
-    /// What many editors say of their own accord; there is no other way
+    /// Passed by many editors; the only transport, so it changes nothing
     #[arg(long, hide = true)]
     pub stdio: bool,
 }
@@ -168,7 +164,7 @@ pub struct CheckArguments {
     pub settings: Settings,
     #[command(flatten)]
     pub quiet: QuietArgument,
-    /// Format of diagnostics on standard error, of SARIF on standard output; with `json`, the line of success is JSON too
+    /// Format of diagnostics, on standard error (SARIF on standard output); with `json`, the success line is JSON too
     #[arg(long, value_enum, default_value = "human")]
     pub format: CheckFormat,
 }
@@ -178,16 +174,16 @@ pub struct BuildArguments {
     /// Programs to build; - for standard input
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Build this task or program alone
+    /// Build only this task or program
     #[arg(long, value_name = "NAME")]
     pub task: Option<String>,
-    /// Formats to write, separated by commas; `all` for each that the schedule has a form in
+    /// Formats to write, separated by commas; `all` for every format that can represent the schedule
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "mcap", value_parser = formats::parser())]
     pub emit: Vec<EmitChoice>,
-    /// Build again whenever a file of the programs changes, until interrupted; pages of --emit html follow
+    /// Build again whenever a file of the programs changes, until interrupted; open pages of --emit html update themselves
     #[arg(long)]
     pub watch: bool,
-    /// On Ctrl-C go on with the best plan that was found; a search that has none yet goes on until its first. A second Ctrl-C ends
+    /// On Ctrl-C, continue with the best plan found; a search without one continues until its first. A second Ctrl-C stops
     #[arg(long)]
     pub keep_best: bool,
     /// With `--emit svg`: draw this one instant, such as 120ms, instead of numbered positions
@@ -199,7 +195,7 @@ pub struct BuildArguments {
     /// Replace files that were built from other programs
     #[arg(long)]
     pub force: bool,
-    /// Report also how many steps were searched, and every line of long lists
+    /// Also report the search steps, and every line of long lists
     #[arg(short, long, conflicts_with = "is_quiet")]
     pub verbose: bool,
     #[command(flatten)]
@@ -215,13 +211,13 @@ pub struct VerifyArguments {
     /// The log to replay, or the recording of `tweeze control`
     #[arg(value_name = "FILE.mcap")]
     pub file: PathBuf,
-    /// Check the log against this program too, not only against the one that it contains
+    /// Check the log against this program, not only against the one that it contains
     #[arg(long, value_name = "FILE.twz")]
     pub against: Option<PathBuf>,
     /// Set a value of the `--against` program; without this option the program's own values apply, whatever the log contains
     #[arg(long = "set", value_name = "NAME=VALUE", requires = "against")]
     pub set: Vec<String>,
-    /// Plan the log's program again too: its bounds, `optimal`, estimates, guarantees and remarks must be what that gives
+    /// Also plan the log's program again: bounds, `optimal`, estimates, guarantees and remarks of the log must match
     #[arg(long)]
     pub replan: bool,
     #[command(flatten)]
@@ -236,16 +232,16 @@ pub struct VerifyArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Recordings of tweeze control")]
 pub struct ToleranceArguments {
-    /// Grant each measured place so much besides the errors of the device, such as 20um
+    /// Tolerance of each measured place, in addition to the errors of the device, such as 20um
     #[arg(long, value_name = "LENGTH", default_value = "0um", value_parser = length_um)]
     pub path_tolerance: f64,
-    /// Grant each goal so much besides the precision of the task, such as 50um
+    /// Tolerance of each goal, in addition to the precision of the task, such as 50um
     #[arg(long, value_name = "LENGTH", default_value = "0um", value_parser = length_um)]
     pub goal_tolerance: f64,
-    /// Grant the heading of each goal so much besides the precision of the task, such as 5deg
+    /// Tolerance of the heading at each goal, in addition to the precision of the task, such as 5deg
     #[arg(long, value_name = "ANGLE", default_value = "0deg", value_parser = angle_rad)]
     pub heading_tolerance: f64,
-    /// Grant so much beyond a `require time`, such as 10s
+    /// Tolerance of each `require time`, such as 10s
     #[arg(long, value_name = "TIME", default_value = "0s", value_parser = time_ns)]
     pub time_tolerance: u64,
 }
@@ -262,16 +258,16 @@ pub struct ViewArguments {
     /// The program or the log to show
     #[arg(value_name = "FILE.twz|FILE.mcap")]
     pub file: PathBuf,
-    /// Show this task or program alone
+    /// Show only this task or program
     #[arg(long, value_name = "NAME")]
     pub task: Option<String>,
     /// Folder to write to; created if missing
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     pub output: PathBuf,
-    /// Write the page only
+    /// Only write the page
     #[arg(long)]
     pub no_open: bool,
-    /// Build again whenever a file of the program changes, until interrupted; the page that is open follows
+    /// Build again whenever a file of the program changes, until interrupted; the open page updates itself
     #[arg(long)]
     pub watch: bool,
     /// Replace files that were built from other programs
@@ -285,13 +281,13 @@ pub struct ViewArguments {
 
 #[derive(Debug, Args)]
 pub struct NewArguments {
-    /// Folder to make; the program in it has the same name
+    /// Folder to create; the program in it has the same name
     #[arg(value_name = "NAME")]
     pub path: PathBuf,
     /// What the program does
     #[arg(long, value_enum)]
     pub template: Option<Template>,
-    /// The first template of this kind of device
+    /// Use the first template of this kind of device
     #[arg(long, value_name = "KIND", conflicts_with = "template", value_parser = kinds())]
     pub kind: Option<Kind>,
     #[command(flatten)]
@@ -346,7 +342,7 @@ pub struct FmtArguments {
 
 #[derive(Debug, Args)]
 pub struct DevicesArguments {
-    /// A device kind or a program; all kinds are listed if omitted
+    /// A device kind, a family of instruments or a program; all kinds and families are listed if omitted
     #[arg(value_name = "KIND|FILE.twz")]
     pub subject: Option<String>,
     #[command(flatten)]
@@ -378,8 +374,8 @@ pub struct DevicesArguments {
 
 /// A ratio from 0 to 1.
 fn share(text: &str) -> Result<f64, String> {
-    let share: f64 = text.parse().map_err(|_| "a share is a number from 0 to 1, such as 0.02".to_owned())?;
-    if (0.0..=1.0).contains(&share) { Ok(share) } else { Err("a share is from 0 to 1".to_owned()) }
+    let share: f64 = text.parse().map_err(|_| "expected a number from 0 to 1, such as 0.02".to_owned())?;
+    if (0.0..=1.0).contains(&share) { Ok(share) } else { Err("expected a number from 0 to 1".to_owned()) }
 }
 
 /// A number with a unit of a dimension, in the SI unit; `form` is the error that shows how to write it.
@@ -395,41 +391,41 @@ fn quantity(text: &str, dimension: Dimension, form: &str) -> Result<f64, String>
 
 /// A time from zero to an hour, in nanoseconds.
 fn time_ns(text: &str) -> Result<u64, String> {
-    let time_s = quantity(text, Dimension::TIME, "a time is written as 50ms or 0.5s")?;
+    let time_s = quantity(text, Dimension::TIME, "expected a time, such as 50ms or 0.5s")?;
     match (0.0..=3600.0).contains(&time_s) {
         true => Ok((time_s * 1e9).round() as u64),
-        false => Err("a time from 0 s to 3600 s is needed".to_owned()),
+        false => Err("expected a time from 0 s to 3600 s".to_owned()),
     }
 }
 
 /// A time of zero or more, in nanoseconds.
 fn instant_ns(text: &str) -> Result<u64, String> {
-    let time_s = quantity(text, Dimension::TIME, "a time is written as 50ms or 0.5s")?;
-    if time_s >= 0.0 { Ok((time_s * 1e9).round() as u64) } else { Err("a time from 0 s on is needed".to_owned()) }
+    let time_s = quantity(text, Dimension::TIME, "expected a time, such as 50ms or 0.5s")?;
+    if time_s >= 0.0 { Ok((time_s * 1e9).round() as u64) } else { Err("expected a time of 0 s or more".to_owned()) }
 }
 
 /// A voltage above zero, in volts.
 fn voltage(text: &str) -> Result<f64, String> {
-    let voltage_v = quantity(text, Dimension::VOLTAGE, "a voltage is written as 4V or 250mV")?;
-    if voltage_v > 0.0 { Ok(voltage_v) } else { Err("a voltage above 0 V is needed".to_owned()) }
+    let voltage_v = quantity(text, Dimension::VOLTAGE, "expected a voltage, such as 4V or 250mV")?;
+    if voltage_v > 0.0 { Ok(voltage_v) } else { Err("expected a voltage above 0 V".to_owned()) }
 }
 
 /// A length from zero to a metre, in micrometres.
 fn length_um(text: &str) -> Result<f64, String> {
-    let length_m = quantity(text, Dimension::LENGTH, "a length is written as 20um or 0.1mm")?;
+    let length_m = quantity(text, Dimension::LENGTH, "expected a length, such as 20um or 0.1mm")?;
     if (0.0..=1.0).contains(&length_m) {
         Ok(length_m * 1e6)
     } else {
-        Err("a length from 0 m to 1 m is needed".to_owned())
+        Err("expected a length from 0 m to 1 m".to_owned())
     }
 }
 
 /// An angle from zero to half a turn, in radians.
 fn angle_rad(text: &str) -> Result<f64, String> {
-    let angle = quantity(text, Dimension::ANGLE, "an angle is written as 2deg or 0.05rad")?;
+    let angle = quantity(text, Dimension::ANGLE, "expected an angle, such as 2deg or 0.05rad")?;
     match (0.0..=std::f64::consts::PI).contains(&angle) {
         true => Ok(angle),
-        false => Err("an angle from 0 deg to 180 deg is needed".to_owned()),
+        false => Err("expected an angle from 0 deg to 180 deg".to_owned()),
     }
 }
 
@@ -437,7 +433,7 @@ fn angle_rad(text: &str) -> Result<f64, String> {
 pub struct SimulateArguments {
     /// The program
     pub file: PathBuf,
-    /// Simulate this task or program alone
+    /// Simulate only this task or program
     #[arg(long, value_name = "NAME")]
     pub task: Option<String>,
     /// Number of runs of each assembly
@@ -449,7 +445,7 @@ pub struct SimulateArguments {
     /// Let `tweeze control` bring the robots together, in another process over a socket: one for each run
     #[arg(long)]
     pub against_controller: bool,
-    /// Record the exchange with the controller in a new file; of a single trial
+    /// Record the exchange with the controller in a new file; needs a single trial
     #[arg(long, value_name = "FILE.mcap", requires = "against_controller")]
     pub record: Option<PathBuf>,
     /// Time from a measurement to its command, such as 50ms; the bed holds still meanwhile
@@ -477,7 +473,7 @@ pub struct SimulateArguments {
 pub struct ControlArguments {
     /// The program
     pub file: PathBuf,
-    /// Control this task; needed if the program has several
+    /// Control this task; required if the program has several
     #[arg(long, value_name = "NAME")]
     pub task: Option<String>,
     /// Wait for one connection at this address of this machine instead of using standard input and output
@@ -517,7 +513,7 @@ pub struct Settings {
 
 #[derive(Debug, Clone, Copy, Args)]
 pub struct QuietArgument {
-    /// Report errors and warnings alone
+    /// Report only errors and warnings
     #[arg(short = 'q', long = "quiet")]
     pub is_quiet: bool,
 }

@@ -21,13 +21,13 @@ use std::path::{Path, PathBuf};
 /// Builds each program and writes its complete set of files, or nothing; returns the gravest exit status.
 pub fn run(arguments: &BuildArguments) -> Exit {
     if arguments.files.iter().filter(|file| disk::is_standard_input(file)).count() > 1 {
-        return misused("build", "standard input holds one program: `-` can be given once");
+        return misused("build", "standard input contains one program: `-` can be given only once");
     }
     if !arguments.watch {
         return build(arguments, &mut Glances::default());
     }
     if arguments.files.iter().any(|file| disk::is_standard_input(file)) {
-        return misused("build", "standard input holds one program, once: --watch needs a file");
+        return misused("build", "standard input contains one program, which does not change: --watch needs a file");
     }
     watch::watch(&arguments.files, arguments.quiet, |needed| build(arguments, needed))
 }

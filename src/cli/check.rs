@@ -19,7 +19,10 @@ pub fn run(arguments: &CheckArguments) -> Exit {
         return check(arguments, &mut Glances::default());
     }
     if arguments.files.iter().any(|file| disk::is_standard_input(file)) {
-        return build::misused("check", "standard input holds one program, once: --watch needs a file");
+        return build::misused(
+            "check",
+            "standard input contains one program, which does not change: --watch needs a file",
+        );
     }
     watch::watch(&arguments.files, arguments.quiet, |needed| check(arguments, needed))
 }

@@ -14,13 +14,13 @@ pub fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
 }
 
 pub fn no_program_to_show(path: &Path) -> Diagnostic {
-    Diagnostic::new(Code::E0801, format!("`{}` holds no program that a page could show", path.display()))
-        .help("name the program, `FILE.twz`, or its log, `FILE.mcap`; a schedule in JSON has neither text nor scene")
+    Diagnostic::new(Code::E0801, format!("`{}` contains no program that a page could show", path.display()))
+        .help("give the program, `FILE.twz`, or its log, `FILE.mcap`; a schedule in JSON contains neither the program text nor the scene")
 }
 
 pub fn is_a_folder(path: &Path) -> Diagnostic {
     Diagnostic::new(Code::E0801, format!("cannot read `{}`: it is a folder", path.display()))
-        .help("name a file in it, as `fetch.twz`")
+        .help("give a file in it, such as `fetch.twz`")
 }
 
 pub fn too_large(path: &Path, limit: usize) -> Diagnostic {
@@ -38,7 +38,7 @@ pub fn not_utf8(path: &Path, bytes: &[u8], at: usize) -> Diagnostic {
         _ => "",
     };
     Diagnostic::new(Code::E0803, format!("`{}` is not UTF-8 at byte {at}, in line {line}", path.display()))
-        .help(format!("{guess}save it as UTF-8 in your editor; if it is no Tweeze program, name the right file"))
+        .help(format!("{guess}save it as UTF-8 in your editor; if it is not a Tweeze program, give the right file"))
 }
 
 pub fn unwritable(path: &Path, error: &io::Error) -> Diagnostic {
@@ -48,19 +48,18 @@ pub fn unwritable(path: &Path, error: &io::Error) -> Diagnostic {
 
 pub fn not_made(folder: &Path, error: &io::Error) -> Diagnostic {
     let exists = error.kind() == io::ErrorKind::AlreadyExists;
-    let help =
-        if exists { "nothing was changed; choose another name" } else { "choose a folder that can be written to" };
-    Diagnostic::new(Code::E0804, format!("cannot make `{}`: {}", folder.display(), reason(error))).help(help)
+    let help = if exists { "nothing was changed; choose another name" } else { "choose a writable folder" };
+    Diagnostic::new(Code::E0804, format!("cannot create `{}`: {}", folder.display(), reason(error))).help(help)
 }
 
 pub fn no_name_for_a_project(folder: &Path) -> Diagnostic {
-    Diagnostic::new(Code::E0804, format!("`{}` is no name for a folder", folder.display()))
+    Diagnostic::new(Code::E0804, format!("`{}` is not a valid name for a folder", folder.display()))
         .help("write the name of a new one, such as `tweeze new fetch`")
 }
 
 pub fn program_for_a_folder(name: &str, stem: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0804, format!("`{name}` would be a folder, and is the name of a program"))
-        .help(format!("`tweeze new {stem}` makes the folder `{stem}` with `{name}` in it"))
+    Diagnostic::new(Code::E0804, format!("`{name}` would be a folder but is the name of a program"))
+        .help(format!("`tweeze new {stem}` creates the folder `{stem}` with `{name}` in it"))
 }
 
 pub fn not_recorded(path: &Path, error: &io::Error) -> Diagnostic {
@@ -71,8 +70,8 @@ pub fn not_recorded(path: &Path, error: &io::Error) -> Diagnostic {
 
 /// A recording that cannot be continued.
 pub fn not_recorded_on(path: &Path, error: &io::Error) -> Diagnostic {
-    Diagnostic::new(Code::E0804, format!("cannot go on recording in `{}`: {}", path.display(), reason(error)))
-        .help("the run was stopped; the file ends in the middle: `mcap recover` saves what it has")
+    Diagnostic::new(Code::E0804, format!("cannot continue recording in `{}`: {}", path.display(), reason(error)))
+        .help("the run was stopped and the file is incomplete: `mcap recover` saves its contents")
 }
 
 pub fn not_replaced(path: &Path, error: &io::Error) -> Diagnostic {
@@ -82,7 +81,7 @@ pub fn not_replaced(path: &Path, error: &io::Error) -> Diagnostic {
 
 pub fn nothing_to_format(folder: &Path) -> Diagnostic {
     Diagnostic::new(Code::E0801, format!("`{}` contains no `.twz` file", folder.display()))
-        .help("name a file, or a folder with programs")
+        .help("give a file, or a folder with programs")
 }
 
 pub fn of_another_program(file: &Path, program: &str) -> Diagnostic {
@@ -91,14 +90,14 @@ pub fn of_another_program(file: &Path, program: &str) -> Diagnostic {
 }
 
 pub fn would_replace_input(file: &Path) -> Diagnostic {
-    let title = format!("`{}` would be written, and is a file that this build reads", file.display());
+    let title = format!("output `{}` would overwrite an input of this build", file.display());
     Diagnostic::new(Code::E0809, title)
         .help("choose another folder with `-o DIR`, or give the task or the program another name: outputs are named after them")
 }
 
 pub fn written_twice(name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0807, format!("two files of this build have the name `{name}`, apart from capitals"))
-        .help("some disks take both for one file: give one of the tasks another name, or build it alone with `--task`")
+    Diagnostic::new(Code::E0807, format!("two files of this build are named `{name}`, apart from upper and lower case"))
+        .help("some file systems treat them as one file: give one of the tasks another name, or build it alone with `--task`")
 }
 
 pub fn bad_manifest(path: &Path, why: &str) -> Diagnostic {
@@ -106,19 +105,22 @@ pub fn bad_manifest(path: &Path, why: &str) -> Diagnostic {
         Code::E0801,
         format!("`{}` does not list the programs that built the files there: {why}", path.display()),
     )
-    .help("delete it; the next build writes a new one")
+    .help("delete it; the next build writes it again")
 }
 
 pub fn unfinished(folder: &Path, journal: &str, why: &io::Error) -> Diagnostic {
-    let title =
-        format!("`{}` holds a build that was interrupted and cannot be finished: {}", folder.display(), reason(why));
+    let title = format!(
+        "`{}` contains a build that was interrupted and cannot be completed: {}",
+        folder.display(),
+        reason(why)
+    );
     Diagnostic::new(Code::E0808, title)
-        .help(format!("files there may be of two builds: delete `{journal}` in that folder and build again"))
+        .help(format!("files there may come from two builds: delete `{journal}` in that folder and build again"))
 }
 
 pub fn unverifiable(file: &str) -> Diagnostic {
     Diagnostic::new(Code::E0850, format!("`{file}` would be a log that `tweeze verify` refuses, for the reason above"))
-        .help("nothing was written; this is a fault of tweeze and not of the program: report it as a bug with the program")
+        .help("nothing was written; this is a fault of Tweeze, not of the program: please report it with the program")
 }
 
 /// The system's error message without its number.
@@ -131,13 +133,13 @@ fn reason(error: &io::Error) -> String {
 }
 
 pub fn parts_disagree(log: &Path, what: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0741, format!("{what} of `{}` is not that of the program in it", log.display()))
+    Diagnostic::new(Code::E0741, format!("{what} in `{}` does not belong to the program in it", log.display()))
         .help("the log was edited after it was written: build the program again")
 }
 
 pub fn recording_differs(path: &Path) -> Diagnostic {
-    let title = format!("`{}` is not what its lines would be recorded as", path.display());
-    Diagnostic::new(Code::E0847, title).help("the recording was changed after it was written")
+    let title = format!("`{}` differs from what recording its lines would give", path.display());
+    Diagnostic::new(Code::E0847, title).help("the recording was edited after it was written: use the original file")
 }
 
 /// Origin of a log.
@@ -154,42 +156,38 @@ pub fn other_program(log: &Path, program: &Path, first: Option<Difference>, orig
         LogOrigin::Build => ("built from", "build the trusted program again and use that log"),
         LogOrigin::Run => (
             "recorded with",
-            "the run keeps the program that it was recorded with, which `tweeze verify` without `--against` shows",
+            "the run follows the program that it was recorded with, as `tweeze verify` without `--against` shows",
         ),
     };
-    let title =
-        format!("`{}` was {made} a program that claims something else than `{}`", log.display(), program.display());
+    let title = format!("`{}` was {made} a program with other claims than `{}`", log.display(), program.display());
     let first = first.map_or(String::new(), |Difference { place, of_log, of_program }| {
         let program = program.file_name().unwrap_or_default().to_string_lossy();
-        format!("the first difference is in `{place}`: {of_log} in the log, {of_program} by `{program}`; ")
+        format!("the first difference is in `{place}`: {of_log} in the log, {of_program} in `{program}`; ")
     });
     Diagnostic::new(Code::E0742, title).help(format!("{first}{help}"))
 }
 
 /// A log whose plan differs from the one that its program gets.
 pub fn plans_another(log: &Path, first: Option<Difference>) -> Diagnostic {
-    let title = format!("`{}` has another plan than its program gets", log.display());
+    let title = format!("the plan in `{}` differs from the one planned for its program", log.display());
     let first = first.map_or(String::new(), |Difference { place, of_log, of_program }| {
-        format!("the first difference is in `{place}`: {of_log} in the log, {of_program} where it is planned again; ")
+        format!("the first difference is in `{place}`: {of_log} in the log, {of_program} in the new plan; ")
     });
     Diagnostic::new(Code::E0779, title).help(format!(
-        "{first}the schedule keeps its claims, but what the log says of its plans is not what Tweeze finds: build the \
-         program again, and use that log"
+        "{first}the schedule keeps its claims, but what the log states about its plans is not what Tweeze finds: build the program again and use that log"
     ))
 }
 
 /// A log whose program gets no plan.
 pub fn plans_nothing(log: &Path) -> Diagnostic {
-    let title = format!("`{}` has a plan, and its program gets none", log.display());
-    Diagnostic::new(Code::E0779, title).help(
-        "the schedule keeps its claims, but was not planned by this version of Tweeze; see the errors beside this one",
-    )
+    let title = format!("`{}` contains a plan, but none was found for its program", log.display());
+    Diagnostic::new(Code::E0779, title)
+        .help("the schedule keeps its claims, but was not planned by this version of Tweeze; see the other errors")
 }
 
 /// A recording for which `--replan` was given.
 pub fn no_plan_in(recording: &Path) -> Diagnostic {
-    let title =
-        format!("`{}` is the recording of a controlled run, which has no plan to find again", recording.display());
+    let title = format!("`{}` is the recording of a controlled run, which has no plan to compare", recording.display());
     Diagnostic::new(Code::E0779, title).help("omit `--replan`")
 }
 
@@ -204,8 +202,8 @@ pub fn first_of_each_rule(broken: &Sink) -> Vec<Diagnostic> {
         }
     }
     let counted = |(first, count): (Diagnostic, usize)| {
-        let more = if count > 1 { format!("{} more of this rule; ", count - 1) } else { String::new() };
-        let help = format!("{more}the schedule keeps the program that it was built from, and not this one");
+        let more = if count > 1 { format!("{} more violations of this rule; ", count - 1) } else { String::new() };
+        let help = format!("{more}the schedule follows the program that it was built from, but not this one");
         Diagnostic { help: Some(help), ..first }
     };
     firsts.into_iter().map(counted).collect()
@@ -249,7 +247,7 @@ pub fn other_settings(log: &Path, program: &Path, of_log: &[String], given: &[St
                 added.join(" "),
                 program.display()
             ),
-            "leave it out, or build the program again with it".to_owned(),
+            "omit it, or build the program again with it".to_owned(),
         ),
     };
     Some(Diagnostic::new(Code::E0772, title).help(help))

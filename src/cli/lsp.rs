@@ -19,7 +19,7 @@ const MAX_HEADER_LINE_BYTES: u64 = 1 << 12;
 pub fn run() -> Exit {
     if std::io::stdin().is_terminal() {
         terminal::to_stderr(
-            "an editor starts this and writes to its standard input; `tweeze lsp --help` says how. Ctrl-C ends it\n",
+            "an editor starts this and writes to its standard input; see `tweeze lsp --help`. Ctrl-C ends it\n",
         );
     }
     let (connection, Connection { sender, receiver }) = Connection::memory();
@@ -117,7 +117,7 @@ fn next(input: &mut impl BufRead) -> io::Result<Option<Result<Message, RefusedMe
         if name.eq_ignore_ascii_case("Content-Length") {
             let wrong = |_| {
                 invalid(format!(
-                    "a header with the length `{}`, which is no number of bytes",
+                    "a header with the length `{}`, which is not a number of bytes",
                     terminal::name(value.trim())
                 ))
             };
@@ -134,8 +134,8 @@ fn next(input: &mut impl BufRead) -> io::Result<Option<Result<Message, RefusedMe
         return Err(invalid(format!("a message ends after {} of its {length} bytes", body.len())));
     }
     Ok(Some(serde_json::from_slice(&body).map_err(|error| match serde_json::from_slice::<serde_json::Value>(&body) {
-        Ok(_) => RefusedMessage { code: -32600, why: "this is no request, answer or notification".to_owned() },
-        Err(_) => RefusedMessage { code: -32700, why: format!("this is no JSON: {error}") },
+        Ok(_) => RefusedMessage { code: -32600, why: "this is not a request, a response or a notification".to_owned() },
+        Err(_) => RefusedMessage { code: -32700, why: format!("this is not JSON: {error}") },
     })))
 }
 

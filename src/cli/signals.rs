@@ -95,7 +95,7 @@ fn spares_the_process(is_ctrl_c: bool) -> bool {
     let line = if io::stderr().is_terminal() { "\n" } else { "" };
     match taken {
         Spared::Search(_) => terminal::to_stderr(&format!(
-            "{line}tweeze: goes on with the best plan found; Ctrl-C again ends without one\n"
+            "{line}tweeze: continuing with the best plan found; press Ctrl-C again to stop without one\n"
         )),
         Spared::Run(stop) => stop.store(true, Ordering::SeqCst),
     }

@@ -90,7 +90,9 @@ pub fn to_stderr(text: &str) {
 
 /// Reports that Tweeze itself failed.
 pub fn fault(what: &str) -> Exit {
-    to_stderr(&format!("tweeze: {what}; the program is not to blame, so report it as a bug with the program\n"));
+    to_stderr(&format!(
+        "tweeze: {what}; this is a fault of Tweeze, not of the program: please report it with the program\n"
+    ));
     Exit::Fault
 }
 

@@ -63,7 +63,7 @@ fn judge(arguments: &VerifyArguments) -> Result<String, Box<Refusal>> {
     drop(bytes);
     if arguments.tolerances.is_any() {
         let text =
-            "tweeze: tolerances are for the recording of a controlled run; a plan keeps its claims without any\n";
+            "tweeze: tolerances apply only to the recording of a controlled run; a plan must keep its claims exactly\n";
         terminal::to_stderr(text);
     }
     if let Some(trusted) = &arguments.against {
@@ -334,7 +334,8 @@ fn report(arguments: &VerifyArguments, judged: &Judged) -> String {
     text
 }
 
-const REPLANNED: &str = "the program gives this plan again, with its bounds, estimates, guarantees and remarks";
+const REPLANNED: &str =
+    "planning the program again gives this plan, with its bounds, estimates, guarantees and remarks";
 
 /// Statements of a log about its plans that no replay can check.
 pub fn hearsay(schedule: &Schedule) -> String {
@@ -344,5 +345,5 @@ pub fn hearsay(schedule: &Schedule) -> String {
         (1, 1) => ", and that the plan is optimal".to_owned(),
         (optimal, plans) => format!(", and that {optimal} of {plans} plans are optimal"),
     };
-    format!("the planner's bounds, estimates, guarantees and remarks{optima}: recorded, and not derived again")
+    format!("the planner's bounds, estimates, guarantees and remarks{optima}: recorded but not derived again")
 }

@@ -26,7 +26,7 @@ pub fn run(arguments: &ViewArguments) -> Exit {
         return shown(arguments, !arguments.no_open, written);
     }
     if is_log || disk::is_standard_input(&arguments.file) {
-        return build::misused("view", "a log, or standard input, does not change: --watch needs a program");
+        return build::misused("view", "a log or standard input does not change: --watch needs a program file");
     }
     let mut opens = !arguments.no_open;
     let quiet = QuietArgument { is_quiet: false };
@@ -138,6 +138,6 @@ fn of_refused_log(arguments: &ViewArguments, bytes: &[u8], refusal: &Refusal) ->
 /// Opens a page in the browser; if no browser starts, asks the user to open it.
 fn open(page: &Path) {
     if open::that_detached(page).is_err() {
-        terminal::to_stderr(&format!("no browser could be started: open `{}` in one\n", page.display()));
+        terminal::to_stderr(&format!("no browser could be started: open `{}` yourself\n", page.display()));
     }
 }

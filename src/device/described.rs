@@ -108,7 +108,7 @@ impl Verb {
         let phrases = self.phrases.iter().map(|phrase| {
             let often = match phrase.count {
                 Count::Once => "once".to_owned(),
-                Count::OnceUnless(other) => format!("once, unless `{other}` stands there"),
+                Count::OnceUnless(other) => format!("once, unless `{other}` is given"),
                 Count::AtMostOnce => "at most once".to_owned(),
                 Count::AnyNumber => "any number of times".to_owned(),
             };

@@ -50,18 +50,18 @@ impl Plane {
 words! {
     /// The forms of a shape, in the order of the handbook.
     pub enum ShapeForm {
-        Disc = "disc": "all that lies within a radius of its origin",
-        Box = "box": "a rectangle with its middle at the origin",
+        Disc = "disc": "everything within a radius of its origin",
+        Box = "box": "a rectangle with its centre at the origin",
         Polygon = "polygon": "a closed outline through its points, convex or not",
-        Capsule = "capsule": "all that lies within a radius of a segment along its own x axis, its middle at the origin",
+        Capsule = "capsule": "everything within a radius of a segment along its own x axis, its centre at the origin",
         Cells = "cells": "a block of lattice cells, both corners included",
         Layout = "layout": "a part carried by electrodes: the electrodes under it, and its width",
         Ellipsoid = "ellipsoid": "an ellipsoid with its axes along x, y and z",
         Superellipsoid = "superellipsoid": "an ellipsoid whose flanks are flattened: |x/a|^n + |y/b|^n + |z/c|^n = 1",
-        RoundedBox = "rounded_box": "a box with its middle at the origin, its edges and corners rounded",
+        RoundedBox = "rounded_box": "a box with its centre at the origin, its edges and corners rounded",
         Profile = "profile": "a flat part: its outline in the plane xy, by points or by a curve; it turns about z only",
         Sections = "sections": "a solid given by its outlines in the planes xy and xz, which meet on the x axis",
-        Mesh = "mesh": "a solid of triangles from an STL file, whose sections through the origin are taken",
+        Mesh = "mesh": "a solid of triangles from an STL file, of which the sections through the origin are used",
         Image = "image": "a camera image of the scene: x along its rows, y down its columns, in pixels",
     }
 }
@@ -132,13 +132,13 @@ const fn length(name: &'static str, range: Range, doc: &'static str) -> Vocabula
     VocabularyField { name, sort, need: Need::Required, doc }
 }
 
-const DISC: [VocabularyField; 1] = [length("radius", Range::Positive, "from the middle to the rim")];
+const DISC: [VocabularyField; 1] = [length("radius", Range::Positive, "from the centre to the rim")];
 const BOX: [VocabularyField; 1] =
     [required("size", Sort::Size, "full width along its own x axis and full height along its y axis")];
 const POLYGON: [VocabularyField; 1] =
-    [required("points", Sort::Places, "three corners or more, in order, not crossing")];
+    [required("points", Sort::Places, "three or more corners, in order, not crossing")];
 const CAPSULE: [VocabularyField; 2] = [
-    length("length", Range::NotNegative, "from one round end's middle to the other's"),
+    length("length", Range::NotNegative, "from the centre of one round end to that of the other"),
     length("radius", Range::Positive, "from the segment to the rim"),
 ];
 const CELLS: [VocabularyField; 2] =
@@ -147,7 +147,7 @@ const LAYOUT: [VocabularyField; 2] = [
     required(
         "electrodes",
         Sort::Cell,
-        "how many electrodes it has along columns and along rows, every second one of the board's",
+        "number of electrodes under it along columns and along rows, every second one of the board's",
     ),
     VocabularyField {
         name: "half_width",
@@ -162,7 +162,7 @@ const MATERIAL: VocabularyField = optional(
     "material",
     Sort::Quantity { dimension: Dimension::DENSITY, range: Range::Positive },
     "without weight",
-    "its density, as `f.silicon`; with it the part has a weight",
+    "its density, such as `f.silicon`; with it the part has a weight",
 );
 const ELLIPSOID: [VocabularyField; 2] = [required("axes", VECTOR, "its semi-axes along x, y and z"), MATERIAL];
 const SUPERELLIPSOID: [VocabularyField; 3] = [
@@ -184,7 +184,7 @@ const PROFILE: [VocabularyField; 3] = [
         "points",
         Sort::Places,
         "`x` and `y`",
-        "four points or more of the outline, in order round it, not crossing",
+        "four or more points of the outline, in order around it, not crossing",
     ),
     optional("x", Sort::Curve, "`points`", "along x, as an expression of the angle `t`: `16 um * cos(t)`"),
     optional("y", Sort::Curve, "`points`", "along y, as an expression of the angle `t`: `12 um * sin(t)`"),
@@ -196,12 +196,12 @@ const SECTIONS: [VocabularyField; 3] = [
         "centre_of_mass",
         Sort::Vector { dimension: Dimension::LENGTH, range: Range::Any },
         "the origin, where both outlines are centred there",
-        "where a load acts, in the axes of the outlines",
+        "where a load acts, in the coordinates of the outlines",
     ),
 ];
 const MESH: [VocabularyField; 3] = [
     required("file", Sort::Text, "an STL file beside the program, ASCII or binary; a closed surface"),
-    length("unit", Range::Positive, "length of 1 in the file, as `1 um`"),
+    length("unit", Range::Positive, "length of 1 in the file, such as `1 um`"),
     MATERIAL,
 ];
 const IMAGE: [VocabularyField; 3] = [
@@ -209,8 +209,8 @@ const IMAGE: [VocabularyField; 3] = [
         name: "scale",
         sort: Sort::Quantity { dimension: Dimension::SCALE, range: Range::Positive },
         need: Need::Required,
-        doc: "width and height of a pixel in the scene, as `0.32 um/px`",
+        doc: "width and height of a pixel in the scene, such as `0.32 um/px`",
     },
     optional("origin", Sort::Pixel, "(0 px, 0 px)", "the pixel that lies at the place where the image is put"),
-    optional("mirrored", Sort::Flag, "false", "whether the camera shows the scene from behind, or by one mirror"),
+    optional("mirrored", Sort::Flag, "false", "whether the camera shows the scene from behind, or through one mirror"),
 ];

@@ -50,8 +50,7 @@ pub struct Diagnostic {
 }
 
 /// Added to the help for a task that begins at a place that the planner chose for the end of an earlier one.
-const FROM_ONE_START: &str = "the plan of an earlier task chose where this one begins, and from elsewhere it may have a plan: name the place \
-                              there, or make one task of both";
+const FROM_ONE_START: &str = "the plan of an earlier task chose where this one begins, and it may have a plan from another place: name the place in the earlier task, or merge both tasks into one";
 
 /// A result, or the one diagnostic that prevents it; boxed, because a diagnostic is far larger than most results.
 pub type Diagnosed<T = ()> = Result<T, Box<Diagnostic>>;

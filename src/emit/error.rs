@@ -107,17 +107,17 @@ impl EmitError {
     pub fn diagnostic(&self) -> Diagnostic {
         match self {
             EmitError::NotFinite => Diagnostic::new(Code::E0820, "a value of the schedule is not a finite number")
-                .help("look for a constant of the device that is so large or so small that its products leave the range of numbers"),
+                .help("check the constants of the device: one is so large or so small that its products leave the range of numbers"),
             EmitError::Ramp { format, channel, start_ns, from, to } => Diagnostic::new(
                 Code::E0821,
-                format!("`{channel}` runs from {from} to {to} at {start_ns} ns, but `{}` only holds voltages", format.name()),
+                format!("`{channel}` ramps from {from} to {to} at {start_ns} ns, but `{}` stores only constant voltages", format.name()),
             )
             .help("write `--emit mcap`, `json` or `pwl`: these formats keep ramps"),
             EmitError::TooLarge { format, bytes, limit } => Diagnostic::new(
                 Code::E0822,
                 format!("the {} file would take about {} MiB; the limit is {} MiB", format.name(), bytes >> 20, limit >> 20),
             )
-            .help("write `--emit json`, which grows with the number of changes only, or build the tasks one at a time with `--task`"),
+            .help("write `--emit json`, which grows only with the number of changes, or build the tasks one at a time with `--task`"),
             EmitError::TooManyPoints { instrument, points, limit, period_ns, duration_ns, most_steps } => {
                 too_many_points(instrument, [*points, *limit], [*period_ns, *duration_ns], *most_steps)
             }
@@ -128,29 +128,29 @@ impl EmitError {
                 too_long_for_table(instrument, [*points, *limit], *period_ns)
             }
             EmitError::OtherProtocol { format, name } => {
-                let title = format!("no electrode of `{name}` is wired to a driver that `{}` is for", format.name());
-                Diagnostic::new(Code::E0824, title).help("write `--emit frames`, which every electrode driver has")
+                let title = format!("no electrode of `{name}` is wired to a driver that `{}` supports", format.name());
+                Diagnostic::new(Code::E0824, title).help("write `--emit frames`, which supports every electrode driver")
             }
             EmitError::TooFine { instrument, period_ns, rate_hz } => too_fine(instrument, *period_ns, *rate_hz),
             EmitError::CoarseStages { instrument, channel, um, period_ns, is_by_memory } => {
                 coarse_stages(instrument, channel, *um, *period_ns, *is_by_memory)
             }
             EmitError::NoSampleClock { instrument } => {
-                Diagnostic::new(Code::E0829, format!("the lines of `{instrument}` have no sample clock, so that nothing holds their times"))
-                    .help("wire to the lines of a clocked port; if these are, give the instrument its `digital_rate`")
+                Diagnostic::new(Code::E0829, format!("the lines of `{instrument}` have no sample clock, so nothing keeps their times"))
+                    .help("wire to lines of a clocked port; if these lines are clocked, set the `digital_rate` of the instrument")
             }
             EmitError::NotWired { format, name, family } => not_wired(*format, name, *family),
             EmitError::Leap { format, channel, t_ns, from, to } => Diagnostic::new(
                 Code::E0826,
-                format!("`{channel}` leaps from {from} um to {to} um at {t_ns} ns, but `{}` only has straight lines", format.name()),
+                format!("`{channel}` jumps from {from} um to {to} um at {t_ns} ns, but `{}` supports only straight lines", format.name()),
             )
             .help("write `--emit mcap`, `json` or `pwl`, which store it exactly"),
             EmitError::NotPositions { format, channel } => not_positions(*format, channel.as_deref()),
             EmitError::Unsayable { format, what, help } => {
-                Diagnostic::new(Code::E0831, format!("`{}` has no form for {what}", format.name())).help(help.clone())
+                Diagnostic::new(Code::E0831, format!("`{}` cannot express {what}", format.name())).help(help.clone())
             }
             EmitError::NothingToLoad { name } => {
-                Diagnostic::new(Code::E0830, format!("`{name}` moves no droplets, so that a sheet has nothing to say"))
+                Diagnostic::new(Code::E0830, format!("`{name}` moves no droplets, so a sheet would be empty"))
                     .help("a sheet lists what to load into boards of droplets: write `--emit html` or `svg` for other devices")
             }
             EmitError::OutsideSchedule { name, t_ns, duration_ns } => {
@@ -160,8 +160,8 @@ impl EmitError {
                 )
             }
             EmitError::Failed { format, detail } => {
-                Diagnostic::new(Code::E0825, format!("the {} file could not be composed: {detail}", format.name()))
-                    .help("this is a fault of Tweeze, please report it with the program")
+                Diagnostic::new(Code::E0825, format!("the {} file could not be generated: {detail}", format.name()))
+                    .help("this is a fault of Tweeze; please report it with the program")
             }
         }
     }
@@ -175,7 +175,7 @@ fn too_many_points(
 ) -> Diagnostic {
     let Some(steps) = most_steps else {
         let title = format!(
-            "the schedule of {duration_ns} ns needs {points} points of {period_ns} ns, but `{instrument}` takes {limit}"
+            "the schedule of {duration_ns} ns needs {points} points of {period_ns} ns; `{instrument}` takes at most {limit}"
         );
         return Diagnostic::new(Code::E0823, title).help(format!(
             "choose pulse duration, rest and waits as multiples of a longer time: {} ns or more would fit",
@@ -183,24 +183,23 @@ fn too_many_points(
         ));
     };
     let title = format!(
-        "{points} points of {period_ns} ns make up the {duration_ns} ns of the schedule, `{instrument}` repeats {limit} in at most {steps} \
-         steps"
+        "the {duration_ns} ns of the schedule need {points} points of {period_ns} ns; `{instrument}` repeats {limit} in at most {steps} steps"
     );
     Diagnostic::new(Code::E0823, title).help(
-        "build the tasks one by one with `--task`, or choose the times of the device and the waits as multiples of a longer time",
+        "build the tasks one at a time with `--task`, or choose the times of the device and the waits as multiples of a longer time",
     )
 }
 
 fn too_many_frames(instrument: &str, [frames, limit]: [u64; 2], period_ns: u64) -> Diagnostic {
     let period = Quantity::time_ns(period_ns);
-    let title = format!("{frames} frames of {period} for `{instrument}`, its own program loads {limit}");
+    let title = format!("`{instrument}` needs {frames} frames of {period}; its own program loads at most {limit}");
     Diagnostic::new(Code::E0823, title)
         .help("write `--emit frames`, whose sender has no limit, or build the tasks one at a time with `--task`")
 }
 
 fn too_fine(instrument: &str, period_ns: u64, rate_hz: f64) -> Diagnostic {
     let [period, least] = [period_ns as f64 / 1e9, 1.0 / rate_hz].map(|s| Quantity::new(s, Dimension::TIME));
-    let title = format!("edges and waits on multiples of {period}, but `{instrument}` samples every {least}");
+    let title = format!("edges and waits fall on multiples of {period}, but `{instrument}` samples every {least}");
     Diagnostic::new(Code::E0623, title)
         .help(format!("choose pulse durations, rests and waits as multiples of {least} or of a longer time"))
 }
@@ -215,25 +214,25 @@ fn coarse_stages(
     let [step, tolerance] = [step_um, tolerance_um].map(|um| Quantity::length_um(significant(um, 3)));
     let period = Quantity::new(significant(period_ns as f64, 3) / 1e9, Dimension::TIME);
     let title = format!(
-        "`{channel}` moves by {step} from one sample of `{instrument}` to the next, the tolerance of its device is {tolerance}"
+        "`{channel}` moves by {step} between samples of `{instrument}`; the tolerance of its device is {tolerance}"
     );
     let help = match (is_by_memory, (tolerance_um / step_um * 100.0).floor()) {
         (true, _) => format!(
-            "its memory makes samples {period} apart: build the tasks one at a time with `--task`, or take an instrument of more points"
+            "its memory requires samples {period} apart: build the tasks one at a time with `--task`, or use an instrument with more points"
         ),
         (false, percent) if percent >= 1.0 => format!(
-            "its samples are {period} apart: lower the speeds of the device to {percent} % of what they are, or take a faster instrument"
+            "its samples are {period} apart: lower the speeds of the device to {percent} % of their present values, or use a faster instrument"
         ),
-        (false, _) => format!("its samples are {period} apart: take a faster instrument"),
+        (false, _) => format!("its samples are {period} apart: use a faster instrument"),
     };
     Diagnostic::new(Code::E0624, title).help(help)
 }
 
 fn too_long_for_table(instrument: &str, [points, limit]: [u64; 2], period_ns: f64) -> Diagnostic {
     let period = Quantity::new(period_ns / 1e9, Dimension::TIME);
-    let title = format!("{points} points of {period} for each axis of `{instrument}`, its tables hold {limit}");
+    let title = format!("each axis of `{instrument}` needs {points} points of {period}; its tables hold {limit}");
     Diagnostic::new(Code::E0823, title).help(
-        "build the tasks one at a time with `--task`, or lower the speeds of the device: points may then lie further apart",
+        "build the tasks one at a time with `--task`, or lower the speeds of the device: points may then be further apart",
     )
 }
 
@@ -242,14 +241,14 @@ fn not_positions(format: Format, channel: Option<&str>) -> Diagnostic {
         Some(channel) => format!("`{channel}` takes voltages"),
         None => "the schedule has no channel".to_owned(),
     };
-    Diagnostic::new(Code::E0827, format!("{what}, but `{}` only holds stage positions", format.name()))
+    Diagnostic::new(Code::E0827, format!("{what}, but `{}` stores only stage positions", format.name()))
         .help("write voltages with `--emit csv`, `pwl` or `scpi`, and the tasks of stages on their own with `--task`")
 }
 
 fn nothing_switched(format: Format, name: &str) -> Diagnostic {
-    let title = format!("`{name}` switches and moves nothing, so that a file of `{}` would be empty", format.name());
+    let title = format!("`{name}` switches and moves nothing, so a file of `{}` would be empty", format.name());
     Diagnostic::new(Code::E0824, title).help(format!(
-        "leave `{}` out for this schedule; `--emit json` or `mcap` write what takes place without channels",
+        "omit `{}` for this schedule; `--emit json` or `mcap` record what happens without channels",
         format.name()
     ))
 }
@@ -264,9 +263,8 @@ fn not_wired(format: Format, name: &str, family: Option<Family>) -> Diagnostic {
     };
     let (family, (file, instrument)) = (family.name(), family.library());
     let title =
-        format!("`{}` is for instruments `{family}`, and no channel of `{name}` is wired to one", format.name());
+        format!("`{}` is for instruments `{family}`, but no channel of `{name}` is wired to one", format.name());
     Diagnostic::new(Code::E0824, title).help(format!(
-        "declare the instrument, `use {file}` and `instrument NAME : {instrument}`, and wire channels to it, \
-         `wiring DEVICE {{ {wires} }}`; `tweeze devices {family}` shows outputs and wires"
+        "declare the instrument with `use {file}` and `instrument NAME : {instrument}`, and wire channels to it with `wiring DEVICE {{ {wires} }}`; `tweeze devices {family}` shows outputs and wires"
     ))
 }

@@ -94,7 +94,7 @@ fn refuse_company(wired: &WiredInstrument) -> Result<(), EmitError> {
     }
     Err(EmitError::Unsayable {
         format: Format::Gcode,
-        what: format!("`{}` with other instruments: its program begins when the operator goes on", wired.name),
+        what: format!("`{}` with other instruments: its program starts when the operator resumes it", wired.name),
         help: "wire all channels of the program to it, or its stages to controllers with a trigger".to_owned(),
     })
 }
@@ -181,8 +181,9 @@ fn wait_lines(hold: &ScheduledHold, number: usize) -> Result<String, EmitError> 
     let seconds = |ns: u64| format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000);
     match &hold.terms.awaited {
         Awaited::Person { prompt } if hold.terms.is_bounded => {
-            let what = format!("the longest time of `{prompt}`: its pause lasts until the operator goes on");
-            let help = "leave out `for at most`, or write another format".to_owned();
+            let what =
+                format!("the longest time of `{prompt}`: its pause lasts until the operator resumes the program");
+            let help = "omit `for at most`, or write another format".to_owned();
             Err(EmitError::Unsayable { format: Format::Gcode, what, help })
         }
         Awaited::Person { prompt } => {
@@ -192,7 +193,7 @@ fn wait_lines(hold: &ScheduledHold, number: usize) -> Result<String, EmitError> 
         }
         Awaited::Input { name, level, .. } => {
             let Some(pin) = pin(name) else {
-                let what = format!("the input `{name}`: it reads digital pins of the motion controller");
+                let what = format!("the input `{name}`: it reads only digital pins of the motion controller");
                 let help = format!("wait for a pin of LinuxCNC, `wait until \"{PIN}00\" for at most 5 s`");
                 return Err(EmitError::Unsayable { format: Format::Gcode, what, help });
             };
@@ -319,7 +320,7 @@ impl GcodeProgram<'_> {
         Err(EmitError::Unsayable {
             format: Format::Gcode,
             what: format!("a finger at {speed}: LinuxCNC plays every line at {least} or more"),
-            help: format!("give the device speeds {times} times as high, or write `--emit csv` or `stages`"),
+            help: format!("use speeds {times} times as high for the device, or write `--emit csv` or `stages`"),
         })
     }
 

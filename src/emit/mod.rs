@@ -45,18 +45,18 @@ words! {
         Mcap = "mcap": "a log that Foxglove, Lichtblick and Rerun play",
         Json = "json": "the schedule itself, for other programs",
         Csv = "csv": "one row for each change, one column for each channel",
-        Vcd = "vcd": "waveforms for GTKWave and its kin",
+        Vcd = "vcd": "waveforms for GTKWave and similar viewers",
         Pwl = "pwl": "voltage sources for SPICE",
         Scpi = "scpi": "upload script for arbitrary-waveform generators",
-        Nidaqmx = "nidaqmx": "digital lines and analog outputs for cards of National Instruments",
+        Nidaqmx = "nidaqmx": "digital lines and analog outputs for National Instruments cards",
         Frames = "frames": "frames of electrodes that are on, for OpenDrop, PurpleDrop and DropBot",
         Opendrop = "opendrop": "frames for the program that comes with an OpenDrop",
         Microdrop = "microdrop": "steps and the device for MicroDrop, which drives DropBot and OpenDrop",
-        Stages = "stages": "places of translation stages, for controllers of PI and SmarAct",
+        Stages = "stages": "positions of translation stages, for controllers from PI and SmarAct",
         Gcode = "gcode": "moves of translation stages, for LinuxCNC",
         Html = "html": "a page that plays the schedule in any browser",
         Svg = "svg": "a static picture for papers",
-        Sheet = "sheet": "what to load, what happens when, and what is there afterwards, for the person at the bench",
+        Sheet = "sheet": "what to load, what happens when, and what is left afterwards, for the person at the bench",
     }
 }
 

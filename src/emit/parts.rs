@@ -179,7 +179,8 @@ fn refuse_all_but_prompts(schedule: &Schedule) -> Result<(), EmitError> {
     };
     let Some(hold) = schedule.holds.iter().find(|hold| !is_prompt(hold)) else { return Ok(()) };
     let bound = if hold.terms.is_bounded { ", with a longest time" } else { "" };
-    let what = format!("the wait for {}{bound}: it has prompts without one", hold.terms.awaited.shown());
+    let what =
+        format!("the wait for {}{bound}: it has only prompts without a longest time", hold.terms.awaited.shown());
     let help = "write `--emit frames`, whose sender waits for both, or `prompt` without `for at most`".to_owned();
     Err(EmitError::Unsayable { format: Format::Microdrop, what, help })
 }
@@ -196,8 +197,8 @@ fn refuse_two_senders(format: Format, schedule: &Schedule) -> Result<(), EmitErr
         return Ok(());
     }
     let what = match apart {
-        true => "a wait with instruments of two families, which two programs would send",
-        false => "a wait of two generators, which start together once",
+        true => "a wait with instruments of two families, which need two senders",
+        false => "a wait of two generators, which start together only once",
     };
     let help =
         "wire all channels of a program that waits to instruments of one family, generators to one of them".to_owned();

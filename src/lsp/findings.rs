@@ -221,7 +221,7 @@ impl ShownProgram<'_> {
                 format!("Remove `{}`", &self.own.as_str()[edit.span.range()])
             }
             [edit] => format!("Write `{}`", edit.text.trim()),
-            _ => format!("Mend it: {help}"),
+            _ => format!("Fix: {help}"),
         }
     }
 

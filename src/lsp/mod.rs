@@ -79,7 +79,7 @@ pub fn serve(
         |_| "the first message of a client must be `initialize`, and the next one `initialized`".to_owned();
     let (id, asked) = connection.initialize_start().map_err(unexpected)?;
     let asked: InitializeParams = serde_json::from_value(asked)
-        .map_err(|error| format!("the parameters of `initialize` are not those of the protocol: {error}"))?;
+        .map_err(|error| format!("the parameters of `initialize` do not follow the protocol: {error}"))?;
     let unit = column_unit(&asked);
     let answer = json!({
         "capabilities": capabilities(unit),
@@ -217,7 +217,7 @@ impl Session<'_> {
     fn take(&mut self, message: Message) -> Option<SessionEnd> {
         match message {
             Message::Request(Request { id, .. }) if self.is_shut => {
-                let why = "the server was shut down, and waits for `exit`".to_owned();
+                let why = "the server was shut down and waits for `exit`".to_owned();
                 self.send(Message::Response(Response::new_err(id, ErrorCode::InvalidRequest as i32, why)));
             }
             Message::Request(request) if request.method == Shutdown::METHOD => {
@@ -265,14 +265,14 @@ impl Session<'_> {
                 None => None,
             },
             _ => {
-                let why = format!("`{method}` is not answered");
+                let why = format!("`{method}` is not supported");
                 return self.send(Message::Response(Response::new_err(id, ErrorCode::MethodNotFound as i32, why)));
             }
         };
         let response = match answer {
             Some(answer) => Response::new_ok(id, answer),
             None => {
-                let why = format!("these are not the parameters of `{method}`");
+                let why = format!("these parameters do not fit `{method}`");
                 Response::new_err(id, ErrorCode::InvalidParams as i32, why)
             }
         };
@@ -582,7 +582,7 @@ impl Session<'_> {
             });
             if new.len() > old.len() {
                 let first = new.iter().find(|error| !old.contains(error)).unwrap_or(&new[0]);
-                return Err(format!("with that name there would be an error, {first}: write the new name by hand"));
+                return Err(format!("this name would cause an error: {first}; rename by hand"));
             }
         }
         Ok(edit)

@@ -165,21 +165,20 @@ impl ProgramNames {
     fn renamable(&self, path: &Path, offset: usize, name: &str) -> Result<BTreeSet<&FilePlace>, String> {
         if !is_free_name(name) {
             return Err(format!(
-                "`{name}` is no name: write a letter, then letters, digits and `_`, and no word of the language"
+                "`{name}` is not a valid name: use a letter followed by letters, digits and `_`, but no word of the language"
             ));
         }
-        let declaration =
-            self.declaration(path, offset).ok_or("here stands no name that is declared in a file of yours")?;
-        let old = self.text_at(declaration).ok_or("the declaration is not to be found")?;
+        let declaration = self.declaration(path, offset).ok_or("no name declared in your files is at the cursor")?;
+        let old = self.text_at(declaration).ok_or("the declaration was not found")?;
         let places = self.all_of(declaration);
         if let Some(other) = places.iter().filter_map(|place| self.text_at(place)).find(|text| *text != old) {
-            return Err(format!("`{old}` is used as `{other}`, by an index: write the new name by hand"));
+            return Err(format!("`{old}` is used as `{other}`, with an index: rename by hand"));
         }
         let files: BTreeSet<&Path> = places.iter().map(|place| place.path.as_path()).collect();
         let known = self.links.iter().flat_map(|(used, declared)| std::iter::once(used).chain(declared));
         let is_taken = |place: &FilePlace| files.contains(place.path.as_path()) && self.text_at(place) == Some(name);
         if name != old && known.chain(&self.declared).any(is_taken) {
-            return Err(format!("`{name}` stands for something else there"));
+            return Err(format!("`{name}` already has another meaning there"));
         }
         Ok(places)
     }
@@ -202,8 +201,8 @@ impl ProgramNames {
         let mut texts: BTreeMap<PathBuf, String> = BTreeMap::new();
         // From the end, so that earlier offsets stay valid.
         for place in places.into_iter().rev() {
-            let location = self.location(place, unit).ok_or("a file cannot be named to the editor")?;
-            let whole = self.texts.get(&place.path).ok_or("a file is not to be found")?;
+            let location = self.location(place, unit).ok_or("a file has no URI for the editor")?;
+            let whole = self.texts.get(&place.path).ok_or("a file was not found")?;
             let text = texts.entry(place.path.clone()).or_insert_with(|| whole.clone());
             text.replace_range(place.start..place.end, name);
             let edit = TextEdit { range: location.range, new_text: name.to_owned() };

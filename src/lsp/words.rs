@@ -30,14 +30,14 @@ pub(super) const COMMON_STEPS: [(&str, &str); 11] = [
     ("minimize", "minimize WHAT: the figure that the plan minimises"),
     ("require", "require FIGURE <= LIMIT: a limit that the plan must keep"),
     ("using", "using PLANNER { expansions: 5000000 }: how the plan is searched"),
-    ("start", "start at STATE: where the device is at the beginning"),
-    ("wait", "wait 10 ms: nothing is switched for so long; wait until card.port0.line5 for at most 5 s"),
-    ("prompt", "prompt \"add the sample\": asks the person at the bench, and waits"),
+    ("start", "start at STATE: where the device is at the beginning of the task"),
+    ("wait", "wait 10 ms: nothing is switched for this time; wait until card.port0.line5 for at most 5 s"),
+    ("prompt", "prompt \"add the sample\": asks the person at the bench and waits for the answer"),
     ("pulse", "pulse OUTPUT: a pulse of an output of the sort `trigger`"),
     ("set", "set OUTPUT to high, to low, or to 60 %: the level of an output"),
-    ("together", "together { GOALS }: at the same time, where the kind can"),
-    ("assay", "assay { OPERATIONS }: each part in its own time, where the kind can"),
-    ("for", "for i in 0..5 { … }: once for each"),
+    ("together", "together { GOALS }: goals at the same time, if the kind of device allows it"),
+    ("assay", "assay { OPERATIONS }: each part in its own time, if the kind of device allows it"),
+    ("for", "for i in 0..5 { … }: once for each value"),
 ];
 
 /// A word with its form and its meaning.

@@ -74,9 +74,9 @@ pub(super) fn blank_before_bracket(mark: Span, text: &str) -> Diagnostic {
     let name = token_before(text, start);
     let bracket = token_at(text, mark.end as usize);
     let place = part(mark, mark.start as usize, mark.end as usize + 1);
-    Diagnostic::new(Code::E0108, format!("a blank between `{name}` and `{bracket}`"))
-        .label(place, "no blank here")
-        .help(format!("write `{name}{bracket}…`: an index or an argument joins its name"))
+    Diagnostic::new(Code::E0108, format!("a space between `{name}` and `{bracket}`"))
+        .label(place, "expected no space here")
+        .help(format!("write `{name}{bracket}…`: an index or an argument follows its name directly"))
         .mended(part(mark, start, mark.end as usize), "")
 }
 
@@ -84,7 +84,7 @@ pub(super) fn wrong_colon(mark: Span, text: &str) -> Diagnostic {
     let sign = &text[mark.range()];
     let name = token_before(text, mark.start as usize);
     Diagnostic::new(Code::E0119, format!("`{sign}` where `:` belongs"))
-        .label(mark, "between a name and its value stands `:`")
+        .label(mark, "`:` goes between a name and its value")
         .help(format!("write `{name}: {}`", quote(value_in(line_after(text, mark.end as usize)))))
         .mended(with_blanks(mark, text), ": ")
 }
@@ -104,15 +104,15 @@ pub(super) fn joined(mark: Span, text: &str) -> Diagnostic {
     let end = text[..start].trim_end_matches([' ', '\t']).len();
     let is_item = starts_item(after(text, start));
     Diagnostic::new(Code::E0103, format!("`{word}` begins anew on the same line"))
-        .label(part(mark, start, start + word.len()), "complete before this")
+        .label(part(mark, start, start + word.len()), "what comes before this is complete")
         .help(format!("put a comma or a line end before `{word}`"))
         .mended(part(mark, end, start), if is_item { "\n" } else { ", " })
 }
 
 pub(super) fn reserved_name(name: &Ident) -> Diagnostic {
     Diagnostic::new(Code::E0110, format!("`{}` is a reserved word", name.text))
-        .label(name.span, "a name is declared here")
-        .help(format!("take another name, such as `{}_1`", name.text))
+        .label(name.span, "expected a name")
+        .help(format!("use another name, such as `{}_1`", name.text))
 }
 
 pub(super) fn missing_value(at: Span, text: &str) -> Diagnostic {
@@ -124,7 +124,7 @@ pub(super) fn missing_value(at: Span, text: &str) -> Diagnostic {
     }
     let before = &text[start..end];
     Diagnostic::new(Code::E0102, format!("a value is missing after `{before}`"))
-        .label(part(at, start, end), "a value belongs behind this")
+        .label(part(at, start, end), "expected a value after this")
         .help("write a number with its unit, such as `35 um`, a place, such as `(4 um, 2 um)`, or a name")
 }
 
@@ -142,7 +142,7 @@ pub(super) fn tuple_length(span: Span, count: usize) -> Diagnostic {
 }
 
 pub(super) fn number_too_large(span: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0116, "a number beyond 1.8e308")
+    Diagnostic::new(Code::E0116, "a number above 1.8e308")
         .label(span, "no quantity is as large as this")
         .help("write the number with a unit of the right size, such as `5 km`")
 }
@@ -160,7 +160,7 @@ pub(super) fn text_hole(span: Span, source: &str) -> Diagnostic {
 
 pub(super) fn bad_row(span: Span, text: &str) -> Diagnostic {
     let row = text[span.range()].trim_end();
-    Diagnostic::new(Code::E0128, "a line of a table that is no row")
+    Diagnostic::new(Code::E0128, "a line of a table that is not a row")
         .label(span, "expected values with `|` between them")
         .help(format!("a row is one line, such as `D1 | 92 | 31`; this is `{}`", quote(row)))
 }
@@ -168,7 +168,7 @@ pub(super) fn bad_row(span: Span, text: &str) -> Diagnostic {
 pub(super) fn bar_before_row(span: Span) -> Diagnostic {
     let mark = first_word(span, 1);
     Diagnostic::new(Code::E0128, "a row that begins with `|`")
-        .label(mark, "`|` stands between values")
+        .label(mark, "`|` goes between values")
         .help("remove it: a row is one line, such as `D1 | 92 | 31`")
         .mended(mark, "")
 }
@@ -199,7 +199,7 @@ pub(super) fn object_without_name(noun: &Ident) -> Diagnostic {
 pub(super) fn loop_at_top(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0101, "`for` outside of a block")
         .label(part(span, span.start as usize, span.start as usize + 3), "nothing here can be repeated")
-        .help("`for` stands inside a scene, a task, a program or a wiring")
+        .help("`for` belongs inside a scene, a task, a program or a wiring")
 }
 
 pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagnostic {
@@ -214,7 +214,7 @@ pub(super) fn bad_head(rest: Span, rule: Rule, item: Span, text: &str) -> Diagno
     };
     let place = visible(rest, text);
     let word = token_at(text, item.start as usize);
-    Diagnostic::new(Code::E0124, format!("this `{word}` lacks its subject"))
+    Diagnostic::new(Code::E0124, format!("the head of this `{word}` is incomplete"))
         .label(place, "reading stopped here")
         .help(format!("write `{form}`"))
 }
@@ -227,8 +227,8 @@ pub(super) fn name_too_long(span: Span, bytes: usize, limit: usize) -> Diagnosti
 
 pub(super) fn too_deep(span: Span) -> Diagnostic {
     let limit = super::MAX_NESTING;
-    Diagnostic::new(Code::E0120, format!("brackets or blocks nested more than {limit} deep"))
-        .label(span, format!("this is number {}", limit + 1))
+    Diagnostic::new(Code::E0120, format!("brackets or blocks nested more than {limit} levels deep"))
+        .label(span, format!("this is level {}", limit + 1))
         .help("name the inner parts with `let`")
 }
 
@@ -243,7 +243,7 @@ pub(super) fn unclosed_bracket(span: Span, text: &str, closing: u8) -> Diagnosti
     let (bracket, closing) = (&text[span.range()], closing as char);
     Diagnostic::new(Code::E0114, format!("`{bracket}` is not closed"))
         .label(span, "opened here")
-        .help(format!("write `{closing}` where its contents end; without it the line ends it"))
+        .help(format!("write `{closing}` after its contents; without it, the end of the line closes the bracket"))
 }
 
 pub(super) fn unclosed_brace(span: Span, text: &str, item: Option<Span>) -> Diagnostic {
@@ -253,10 +253,10 @@ pub(super) fn unclosed_brace(span: Span, text: &str, item: Option<Span>) -> Diag
         Some(item) => {
             let word = token_at(text, item.start as usize);
             finding
-                .label(part(item, item.start as usize, item.start as usize + word.len()), "taken as closed before this")
+                .label(part(item, item.start as usize, item.start as usize + word.len()), "assumed closed before this")
                 .help(format!("write `}}` where the block `{opener}` ends"))
         }
-        None => finding.help(format!("write `}}` where the block `{opener}` ends; the file ends before it")),
+        None => finding.help(format!("write `}}` where the block `{opener}` ends; the file ends without it")),
     }
 }
 
@@ -284,7 +284,7 @@ pub(super) fn block_comment(span: Span, comment: &str, ends_line: bool) -> Diagn
         false => format!("write `{written}` on a line of its own, above this one"),
     };
     let finding = Diagnostic::new(Code::E0125, "a comment in `/* */`")
-        .label(span, "comments begin with `//` and end with their line")
+        .label(span, "comments begin with `//` and end at the end of the line")
         .help(help);
     if !ends_line || !comment.ends_with("*/") || comment.len() < "/**/".len() {
         return finding;
@@ -305,7 +305,7 @@ pub(super) fn block_comment(span: Span, comment: &str, ends_line: bool) -> Diagn
 pub(super) fn foreign_comment(span: Span, comment: &str) -> Diagnostic {
     let mark = comment.chars().next().unwrap_or('#');
     let words = comment.trim_start_matches(mark);
-    Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
+    Diagnostic::new(Code::E0125, format!("a comment that begins with `{mark}`"))
         .label(span, "comments begin with `//`")
         .help(format!("write `// {}`", quote(words.trim())))
         .mended(
@@ -317,45 +317,45 @@ pub(super) fn foreign_comment(span: Span, comment: &str) -> Diagnostic {
 /// A `;`; `mend` is the replacement.
 pub(super) fn semicolon(span: Span, mend: &str) -> Diagnostic {
     let help = match mend {
-        "," => "write a comma: inside of brackets nothing else separates",
-        _ => "remove it: a field, a step or a declaration ends at the line end or at a comma",
+        "," => "write a comma: it is the only separator inside brackets",
+        _ => "remove it: a field, a step or a declaration ends at the end of the line or at a comma",
     };
-    Diagnostic::new(Code::E0104, "a `;`").label(span, "nothing ends with this").help(help).mended_here(mend)
+    Diagnostic::new(Code::E0104, "a `;`").label(span, "not a separator").help(help).mended_here(mend)
 }
 
 pub(super) fn foreign_sign(span: Span, theirs: char, ours: &str) -> Diagnostic {
     let (title, help) = match ours {
-        " " => ("a blank that must not break".to_owned(), "write a plain blank".to_owned()),
-        _ => (format!("`{theirs}` is not a sign of the language"), format!("write `{ours}`")),
+        " " => ("a non-breaking space".to_owned(), "write an ordinary space".to_owned()),
+        _ => (format!("`{theirs}` is not part of the language"), format!("write `{ours}`")),
     };
     Diagnostic::new(Code::E0118, title).label(span, "this character").help(help).mended_here(ours)
 }
 
 pub(super) fn foreign_signs(span: Span, theirs: &str, ours: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0118, format!("`{theirs}` is not a sign of the language"))
-        .label(span, "of another language")
+    Diagnostic::new(Code::E0118, format!("`{theirs}` is not part of the language"))
+        .label(span, "from another language")
         .help(format!("write `{ours}`"))
         .mended_here(ours)
 }
 
 pub(super) fn foreign_quotes(span: Span, inside: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0118, "quotes that are not of the language")
+    Diagnostic::new(Code::E0118, "quotation marks that are not part of the language")
         .label(span, "write strings in plain double quotes")
         .help(format!("write `\"{}\"`", quote(inside)))
         .mended_here(format!("\"{inside}\""))
 }
 
 pub(super) fn transpose(mark: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0118, "`'` is not a sign of the language")
-        .label(mark, "of another language")
+    Diagnostic::new(Code::E0118, "`'` is not part of the language")
+        .label(mark, "from another language")
         .help("remove it: lists are neither rows nor columns")
         .mended_here("")
 }
 
 /// A quoted field name, as in `'right': 5`.
 pub(super) fn quoted_name(span: Span, name: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0118, format!("quotes round the name `{name}`"))
-        .label(span, "names stand without quotes")
+    Diagnostic::new(Code::E0118, format!("quotes around the name `{name}`"))
+        .label(span, "names are written without quotes")
         .help(format!("write `{name}`"))
         .mended_here(name)
 }
@@ -364,13 +364,13 @@ pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
     let written = &text[span.range()];
     let help = match written.chars().next() {
         Some('°') => "write `deg`, as in `80 deg`",
-        Some('±') => "remove it: a figure of this kind is taken to both sides",
-        Some('&') => "join conditions by two `require` lines",
+        Some('±') => "remove it: a figure of this kind already applies in both directions",
+        Some('&') => "write a separate `require` line for each condition",
         Some('\\') if text[span.end as usize..].starts_with('"') => {
-            "strings have no such signs: use single quotes within, as in `\"the 'blue' chip\"`"
+            "strings have no escape sequences: use single quotes inside, as in `\"the 'blue' chip\"`"
         }
         Some('\\') => "a line continues after an operator or inside brackets, without a marker",
-        _ => "remove it: names are letters, digits and `_`",
+        _ => "remove it: names consist of letters, digits and `_`",
     };
     let mend = match written {
         "°" => Some(" deg"),
@@ -380,13 +380,13 @@ pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
     if written.chars().all(is_invisible) {
         let codes: Vec<String> = written.chars().take(3).map(|c| format!("U+{:04X}", c as u32)).collect();
         return Diagnostic::new(Code::E0118, format!("an invisible character, {}", codes.join(" ")))
-            .label(span, "it stands here")
-            .help("remove it: it often comes along with text that was copied from a page")
+            .label(span, "it is here")
+            .help("remove it: such characters often come with text copied from a web page")
             .mended_here("");
     }
     let shown: String =
         written.chars().flat_map(|c| if is_invisible(c) { c.escape_unicode().collect() } else { vec![c] }).collect();
-    let finding = Diagnostic::new(Code::E0118, format!("`{}` is not of the language", quote(&shown)))
+    let finding = Diagnostic::new(Code::E0118, format!("`{}` is not part of the language", quote(&shown)))
         .label(span, "this character")
         .help(help);
     match mend {
@@ -402,33 +402,33 @@ fn bad_number(span: Span, title: String, help: String) -> Diagnostic {
 pub(super) fn bad_bits(span: Span, written: &str) -> Diagnostic {
     let is_word = written.starts_with("0b") || written.starts_with("0B");
     let help = if is_word {
-        "a word has the digits 0 and 1, one for each module, as in `0b10001_00010`"
+        "a word consists of digits 0 and 1, one for each module, as in `0b10001_00010`"
     } else {
         "numbers are decimal, such as `35` or `1e-3`; words begin with `0b`"
     };
-    bad_number(span, format!("`{}` is no number and no word", quote(written)), help.to_owned())
+    bad_number(span, format!("`{}` is neither a number nor a word", quote(written)), help.to_owned())
 }
 
 pub(super) fn two_points(span: Span, written: &str) -> Diagnostic {
-    let help = "a number has one point, such as `1.5`; a range has two together, such as `0..4`";
+    let help = "a number has one decimal point, as in `1.5`; a range has two points together, as in `0..4`";
     bad_number(span, format!("`{}` has more than one decimal point", quote(written)), help.to_owned())
 }
 
 pub(super) fn bare_point(span: Span, written: &str) -> Diagnostic {
     let digits = quote(written.trim_end_matches('.'));
-    bad_number(span, format!("`{}` ends with its point", quote(written)), format!("write `{digits}` or `{digits}.0`"))
+    bad_number(span, format!("`{}` ends with a point", quote(written)), format!("write `{digits}` or `{digits}.0`"))
         .mended_here(written.trim_end_matches('.'))
 }
 
 pub(super) fn bare_fraction(span: Span, written: &str) -> Diagnostic {
-    bad_number(span, format!("`{}` begins with its point", quote(written)), format!("write `0{}`", quote(written)))
+    bad_number(span, format!("`{}` begins with a point", quote(written)), format!("write `0{}`", quote(written)))
         .mended_here(format!("0{written}"))
 }
 
 pub(super) fn no_exponent(span: Span, written: &str) -> Diagnostic {
     let digits = written.trim_end_matches(['e', 'E', '+', '-']);
     let help = format!("write `{0}` or an exponent, such as `{0}e-3`", quote(digits));
-    bad_number(span, format!("`{}` has no exponent", quote(written)), help)
+    bad_number(span, format!("`{}` has an empty exponent", quote(written)), help)
 }
 
 pub(super) fn misplaced_doc(span: Span, text: &str) -> Diagnostic {
@@ -459,14 +459,14 @@ pub(super) fn misplaced_doc(span: Span, text: &str) -> Diagnostic {
 pub(super) fn foreign_word(word: Span, text: &str) -> Diagnostic {
     let written = &text[word.range()];
     Diagnostic::new(Code::E0122, format!("`{written}` is not a word of the language"))
-        .label(word, "of another language")
+        .label(word, "from another language")
         .help(super::foreign::help(written).unwrap_or_default())
 }
 
 pub(super) fn let_in_block(span: Span, text: &str) -> Diagnostic {
     let line = text.lines().next().unwrap_or("");
     Diagnostic::new(Code::E0123, "`let` inside a block")
-        .label(first_word(span, "let".len()), "names are given to values at the top of a file")
+        .label(first_word(span, "let".len()), "`let` belongs at the top level of a file")
         .help(format!("move `{}` out of the braces", quote(line.trim_end())))
 }
 
@@ -478,7 +478,7 @@ pub(super) fn item_in_block(span: Span, word: &str) -> Diagnostic {
 
 pub(super) fn lonely_preposition(span: Span, word: &str) -> Diagnostic {
     Diagnostic::new(Code::E0107, format!("a line begins with `{word}`"))
-        .label(first_word(span, word.len()), "no step stands before this that could take it")
+        .label(first_word(span, word.len()), "there is no step before this that it could belong to")
         .help(format!("begin with the step's verb, as in `move {word} …`"))
 }
 
@@ -504,7 +504,7 @@ pub(super) fn not_an_entry(span: Span, place: ListPlace, text: &str) -> Diagnost
 }
 
 pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
-    let finding = Diagnostic::new(Code::E0124, "this declaration cannot be read to its end")
+    let finding = Diagnostic::new(Code::E0124, "this declaration cannot be read completely")
         .label(visible(rest, text), "reading stopped here");
     if rule == Rule::use_rest {
         return finding.help("write it as `use std.dimibot` or `use \"bench.twz\" as lab`");
@@ -557,14 +557,14 @@ pub(super) fn value_without_let(span: Span, text: &str) -> Diagnostic {
     let value = line[word.len()..].trim_start_matches([' ', '\t', ':', '=']);
     let start = span.start as usize;
     if let Some(noun) = declared_with_braces(value) {
-        return Diagnostic::new(Code::E0111, format!("`{word}` is declared without its noun"))
-            .label(first_word(span, word.len()), "a declaration begins with its own word")
+        return Diagnostic::new(Code::E0111, format!("`{word}` is declared without its keyword"))
+            .label(first_word(span, word.len()), "a declaration begins with its keyword")
             .help(format!("write `{noun} {word} : {}`", quote(value)))
             .mended(part(span, start, start), format!("{noun} "))
             .mended(part(span, start + word.len(), start + (line.len() - value.len())), " : ");
     }
     Diagnostic::new(Code::E0111, format!("`{word}` is given a value without `let`"))
-        .label(first_word(span, word.len()), "a declaration begins with its own word")
+        .label(first_word(span, word.len()), "a declaration begins with its keyword")
         .help(format!("write `let {word} = {}`", quote(value)))
         .mended(part(span, start, start), "let ")
         .mended(part(span, start + word.len(), start + (line.len() - value.len())), " = ")
@@ -582,13 +582,13 @@ fn declared_with_braces(value: &str) -> Option<&'static str> {
 
 pub(super) fn not_an_item(span: Span, text: &str) -> Diagnostic {
     let line = text.lines().next().unwrap_or("").trim_end();
-    Diagnostic::new(Code::E0101, format!("`{}` stands outside of every block", quote(line)))
+    Diagnostic::new(Code::E0101, format!("`{}` is outside of every block", quote(line)))
         .label(first_word(span, line.len()), "expected a declaration")
         .help(format!("a declaration begins with {ITEM_WORDS}; steps belong in a task, objects in a scene"))
 }
 
 pub(super) fn unreadable(whole: Span) -> Diagnostic {
-    Diagnostic::new(Code::E0120, "this file is nested too deep to be read")
+    Diagnostic::new(Code::E0120, "this file is nested too deeply to be read")
         .label(whole, "the whole file")
         .help("name the inner parts with `let`")
 }

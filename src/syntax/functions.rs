@@ -15,17 +15,17 @@ const fn function(name: &'static str, parameters: &'static [&'static str], doc: 
 
 /// The functions of the language.
 pub const FUNCTIONS: &[FunctionForm] = &[
-    function("abs", &["value"], "the value without its sign"),
-    function("min", &["value", "…"], "the least of some values of one dimension, or of a list"),
-    function("max", &["value", "…"], "the greatest of some values of one dimension, or of a list"),
-    function("round", &["number"], "the nearest whole number; halves go away from 0"),
+    function("abs", &["value"], "the absolute value"),
+    function("min", &["value", "…"], "the least of several values of one dimension, or of a list"),
+    function("max", &["value", "…"], "the greatest of several values of one dimension, or of a list"),
+    function("round", &["number"], "the nearest whole number; halves round away from 0"),
     function("floor", &["number"], "the greatest whole number that is not above it"),
     function("sqrt", &["value"], "the square root, of its dimension too: `sqrt(4 um^2)` is `2 um`"),
     function("sin", &["angle"], "the sine of an angle, as `sin(30 deg)`"),
     function("cos", &["angle"], "the cosine of an angle, as `cos(60 deg)`"),
     function("atan2", &["y", "x"], "the angle of the direction (x, y), from -180 deg to 180 deg"),
     function("count", &["list"], "the number of elements of a list or a range, or of rows of a table"),
-    function("pose", &["x", "y", "heading"], "a place with a heading from +x, counter-clockwise; 0 deg without it"),
+    function("pose", &["x", "y", "heading"], "a place with a heading, counter-clockwise from +x; 0 deg if omitted"),
     function(
         "euler",
         &["first", "second", "third"],

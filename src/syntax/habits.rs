@@ -25,7 +25,7 @@ pub(super) fn step(span: Span, source: &str) -> Option<Diagnostic> {
         let sign = part(span, sign, sign + 1);
         return (!name.is_empty()).then(|| {
             Diagnostic::new(Code::E0119, "`=` where `to` belongs")
-                .label(sign, "between an output and its level stands `to`")
+                .label(sign, "`to` goes between an output and its level")
                 .help(format!("write `set {name} to {}`", quote(level)))
                 .mended(with_blanks(sign, source), " to ")
         });
@@ -33,9 +33,9 @@ pub(super) fn step(span: Span, source: &str) -> Option<Diagnostic> {
     let argument = rest.strip_prefix('(')?.trim_start();
     let name = token_at(argument, 0);
     (name.starts_with(is_word) && argument[name.len()..].trim_start().starts_with('=')).then(|| {
-        Diagnostic::new(Code::E0101, "a step in the manner of a call")
-            .label(part(span, at, at + head.len() + 1), "steps have no brackets")
-            .help("a step is a verb and prepositions, as in `move to (1, 2)`")
+        Diagnostic::new(Code::E0101, "a step written as a call")
+            .label(part(span, at, at + head.len() + 1), "steps take no brackets")
+            .help("write a verb and prepositions, as in `move to (1, 2)`")
     })
 }
 
@@ -48,10 +48,10 @@ fn method_call(span: Span, object: &str, method: &str) -> Option<Diagnostic> {
     let start = span.start as usize;
     let help = match name {
         "sleep" | "pause" | "wait" | "delay" => "write `wait` with a time and its unit, as in `wait 500 ms`",
-        _ => "begin with the verb: the device of a task stands in its head, as in `task go on bot { move to (1, 2) }`",
+        _ => "begin with the verb: the device of a task is in its head, as in `task go on bot { move to (1, 2) }`",
     };
     let whole = part(span, start, start + object.len() + 1 + name.len());
-    Some(Diagnostic::new(Code::E0101, "a step in the manner of a call").label(whole, "steps are no methods").help(help))
+    Some(Diagnostic::new(Code::E0101, "a step written as a call").label(whole, "steps are not methods").help(help))
 }
 
 /// Diagnoses what stopped parsing at `at` inside a list of a declaration: a matrix or a loop.
@@ -61,8 +61,8 @@ pub(super) fn list(span: Span, at: usize, source: &str) -> Option<Diagnostic> {
     let token = token_at(source, at);
     if token == "for" {
         return Some(
-            Diagnostic::new(Code::E0122, "a list that is computed by a `for`")
-                .label(part(span, at, at + token.len()), "of another language")
+            Diagnostic::new(Code::E0122, "a list computed by a `for`")
+                .label(part(span, at, at + token.len()), "from another language")
                 .help("write the elements out, or repeat the step: `for i in 0..4 { move to (i, 2) }`"),
         );
     }
@@ -80,7 +80,7 @@ pub(super) fn list(span: Span, at: usize, source: &str) -> Option<Diagnostic> {
         let list = format!("[{}]", places.join(", "));
         let whole = part(span, start, start + rest.len() + 2);
         Diagnostic::new(Code::E0122, "a matrix")
-            .label(whole, "of another language")
+            .label(whole, "from another language")
             .help(format!("write a list of places, `{}`", quote(&list)))
             .mended(whole, list)
     })
@@ -95,7 +95,7 @@ pub(super) fn whole_division(comment: Span, source: &str) -> Option<Diagnostic> 
     (is_number && follows_value()).then(|| {
         Diagnostic::new(Code::W0101, "a comment that may be meant as a division")
             .label(comment, "`//` begins a comment")
-            .help(format!("write `floor(… / {divisor})` for a whole quotient, or a word into the comment"))
+            .help(format!("write `floor(… / {divisor})` for an integer quotient, or add a word to the comment"))
     })
 }
 
@@ -104,8 +104,8 @@ pub(super) fn import(span: Span, text: &str) -> Option<Diagnostic> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let (["from", "std", "import", file], true) = (words.get(..4)?, words.len() == 4) else { return None };
     Some(
-        Diagnostic::new(Code::E0122, "`from … import` is not of the language")
-            .label(span, "of another language")
+        Diagnostic::new(Code::E0122, "`from … import` is not part of the language")
+            .label(span, "from another language")
             .help(format!("write `use std.{}`", quote(file)))
             .mended(span, format!("use std.{file}")),
     )
@@ -121,8 +121,11 @@ pub(super) fn name(rest: Span, source: &str) -> Option<Diagnostic> {
         let whole = &source[start - first..start + ends(text)];
         let written = whole.replace('-', "_");
         return (first > 0).then(|| {
-            Diagnostic::new(Code::E0110, format!("`{}` is no name", quote(whole)))
-                .label(part(rest, start - first, start - first + whole.len()), "names are letters, digits and `_`")
+            Diagnostic::new(Code::E0110, format!("`{}` is not a valid name", quote(whole)))
+                .label(
+                    part(rest, start - first, start - first + whole.len()),
+                    "names consist of letters, digits and `_`",
+                )
                 .help(format!("write `{}`", quote(&written)))
                 .mended_here(written)
         });
@@ -131,7 +134,7 @@ pub(super) fn name(rest: Span, source: &str) -> Option<Diagnostic> {
     let is_name = inside.starts_with(is_word) && inside.chars().all(is_word);
     (is_name && !inside.starts_with(|c: char| c.is_ascii_digit())).then(|| {
         Diagnostic::new(Code::E0110, "a name in quotes")
-            .label(part(rest, start, start + inside.len() + 2), "names stand without quotes")
+            .label(part(rest, start, start + inside.len() + 2), "names are written without quotes")
             .help(format!("write `{}`", quote(inside)))
             .mended_here(inside)
     })
@@ -201,7 +204,7 @@ pub(super) fn comparison_in_words(words: Span, entry: usize, sign: &str, source:
     let figure = source[entry..words.start as usize].trim_end();
     let limit = value_in(line_after(source, words.end as usize));
     Diagnostic::new(Code::E0122, format!("`{}` where `{sign}` belongs", quote(&source[words.range()])))
-        .label(words, "a comparison is a sign")
+        .label(words, "a comparison is written as a sign")
         .help(format!("write `{} {sign} {}`", quote(figure), quote(limit)))
         .mended_here(sign)
 }
@@ -242,8 +245,8 @@ pub(super) fn misspelt_behind(step: Span, source: &str) -> Option<(Diagnostic, S
 }
 
 fn misspelt(place: Span, word: &str, right: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0509, format!("no step goes with `{}`", quote(word)))
-        .label(place, "a preposition belongs here")
+    Diagnostic::new(Code::E0509, format!("no step takes `{}`", quote(word)))
+        .label(place, "expected a preposition")
         .help(format!("did you mean `{right}`?"))
         .mended(place, right)
 }
@@ -287,7 +290,7 @@ fn split_into(step: Span, words: &[&str]) -> Option<Diagnostic> {
     };
     is_name(droplet).then(|| {
         Diagnostic::new(Code::E0122, "`split` names the new droplet first")
-            .label(step, "a half that parts gets a name, the other keeps its own")
+            .label(step, "the new half gets a name of its own; the other half keeps its name")
             .help(format!("write `split {half} from {droplet} at CELL to CELL`, with the cells of both halves"))
     })
 }
@@ -300,7 +303,7 @@ fn assembled(step: Span, line: &str, text: &str, rest: &str) -> Option<Diagnosti
     }
     let at = step.start as usize + (text.len() - rest.len());
     let place = part(step, at, step.end as usize);
-    let finding = Diagnostic::new(Code::E0509, "`assemble` takes braces").label(place, "robots stand in the braces");
+    let finding = Diagnostic::new(Code::E0509, "`assemble` takes braces").label(place, "robots belong in the braces");
     if line[text.len()..].trim_start().starts_with('{') {
         return Some(finding.help("write `assemble {`: the entries name the robots").mended_here(""));
     }

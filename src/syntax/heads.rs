@@ -42,10 +42,10 @@ pub(super) fn of_use(span: Span, text: &str) -> Option<Diagnostic> {
     let mended = format!("use {path}{alias}");
     (is_path && mended != line).then(|| {
         let start = span.start as usize + (line.len() - written.len());
-        Diagnostic::new(Code::E0124, "a `use` in the manner of another language")
+        Diagnostic::new(Code::E0124, "a `use` in the style of another language")
             .label(
                 part(span, start, span.start as usize + line.len()),
-                "expected a file, and `as` before another name for it",
+                "expected a file, with `as` before another name for it",
             )
             .help(format!("write `{}`", quote(&mended)))
             .mended_here(&mended["use ".len()..])
@@ -57,7 +57,7 @@ fn without_alias(span: Span, line: &str) -> Diagnostic {
     let end = span.start as usize + line.len();
     let path = quote(line.trim_end_matches("as").trim_end());
     Diagnostic::new(Code::E0124, "a `use` ends with `as`")
-        .label(part(span, end - "as".len(), end), "a name belongs behind this")
+        .label(part(span, end - "as".len(), end), "expected a name after this")
         .help(format!("write `{path} as NAME`, or `{path}` alone"))
 }
 
@@ -67,15 +67,15 @@ pub(super) fn wire_without_braces(span: Span, text: &str) -> Option<Diagnostic> 
     let (wiring, output) = line.split_once("->").filter(|(wiring, _)| wiring.starts_with("wiring "))?;
     let at = span.start as usize + wiring.len();
     let finding = Diagnostic::new(Code::E0124, "a wire without braces around it");
-    let finding = finding.label(part(span, at, at + "->".len()), "wires stand in the braces of a wiring");
+    let finding = finding.label(part(span, at, at + "->".len()), "wires belong in the braces of a wiring");
     Some(finding.help(format!("write `{} {{ all -> {} }}`", quote(wiring.trim_end()), quote(output.trim()))))
 }
 
 /// The first word of a declaration, repeated in place of its name.
 pub(super) fn word_twice(word: Span, source: &str) -> Diagnostic {
     let text = quote(&source[word.range()]);
-    Diagnostic::new(Code::E0101, format!("`{text}` stands there twice"))
-        .label(word, "a name belongs here")
+    Diagnostic::new(Code::E0101, format!("`{text}` is repeated"))
+        .label(word, "expected a name")
         .help(format!("write `{text}` once"))
         .mended(part(word, word.start as usize, around::blanks_end(source, word.end as usize)), "")
 }
@@ -98,7 +98,7 @@ pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<D
         return Some(slip);
     }
     if head.text.starts_with('(') {
-        return Some(head.wrong("`(` where `{` belongs", 1, "a block stands in braces", "{"));
+        return Some(head.wrong("`(` where `{` belongs", 1, "a block is enclosed in braces", "{"));
     }
     match rule {
         Rule::device_rest if head.text.is_empty() => slips::device_without_kind(item, &source[item.range()]),
@@ -139,7 +139,7 @@ fn parameter(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diag
             continue;
         }
         let place = part(rest, start, start + text.len());
-        let finding = Diagnostic::new(Code::E0124, format!("`{}` is no parameter", quote(text)));
+        let finding = Diagnostic::new(Code::E0124, format!("`{}` is not a valid parameter", quote(text)));
         let finding = finding.label(place, "expected `NAME: SORT`");
         let words: Vec<&str> = text.split_whitespace().collect();
         let name = &text[..end_of_word(text, 0)];
@@ -153,7 +153,7 @@ fn parameter(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diag
                 finding.help(format!("write `{name}: {sort}`")).mended_here(format!("{name}: {sort}"))
             }
             _ if text.contains('=') && is_name(name) => finding.help(format!(
-                "write `{name}: SORT`, with a sort such as `cell` or `time`: a parameter has no value until it is run"
+                "write `{name}: SORT`, with a sort such as `cell` or `time`: a parameter gets its value from `run`"
             )),
             _ => finding.help(format!(
                 "write `{}: SORT`, with a sort such as `number`, `time`, `cell` or `pose`",
@@ -204,7 +204,7 @@ impl BrokenHead<'_> {
     /// `device bot = dimibot`, `device bot dimibot {`, `device bot : dimibot(left: 5)`,
     /// `device bot : dimibot left: 5 }`; `both` names what stands on either side of the colon.
     fn of_base(&self, both: &str) -> Option<Diagnostic> {
-        let note = format!("between {both} stands `:`");
+        let note = format!("`:` goes between {both}");
         let word = token_at(self.text, 0);
         let behind = self.text[word.len()..].trim_start();
         if matches!(word, "is" | "as" | "of" | "=") && behind.starts_with(is_word) {
@@ -232,7 +232,7 @@ impl BrokenHead<'_> {
         if field_of(&self.text[behind_base..]) {
             let finding = Diagnostic::new(Code::E0124, "`{` is missing");
             let finding =
-                finding.label(self.mark(behind_base - base.len(), base.len()), "fields stand in braces behind this");
+                finding.label(self.mark(behind_base - base.len(), base.len()), "expected fields in braces after this");
             return Some(
                 finding
                     .help(format!("write `{} : {base} {{ {}", self.before, quote(self.text[behind_base..].trim())))
@@ -242,7 +242,7 @@ impl BrokenHead<'_> {
         let at = self.text.find('(')?;
         let fields = self.text[at + 1..].trim_end().trim_end_matches(')').trim();
         let finding = Diagnostic::new(Code::E0124, "`(` where `{` belongs");
-        let finding = finding.label(self.mark(at, 1), "fields stand in braces");
+        let finding = finding.label(self.mark(at, 1), "fields are enclosed in braces");
         let base = self.text[..at].trim_end();
         Some(finding.help(format!("write `{} {base} {{ {} }}`", self.before, quote(fields))))
     }
@@ -261,7 +261,7 @@ impl BrokenHead<'_> {
         let declaration = format!("{} : {}{}", self.before, quote(sort), quote(&fields));
         let wire = quote(wire.trim());
         let finding = Diagnostic::new(Code::E0124, "a wire in the declaration of an output");
-        let finding = finding.label(self.mark(self.text.find("->")?, "->".len()), "wires stand in a `wiring`");
+        let finding = finding.label(self.mark(self.text.find("->")?, "->".len()), "wires belong in a `wiring`");
         Some(finding.help(format!("write `{declaration}`, and `wiring {name} {{ out -> {wire} }}`")))
     }
 
@@ -269,7 +269,8 @@ impl BrokenHead<'_> {
     fn of_program(&self) -> Option<Diagnostic> {
         let device = self.text.strip_prefix("on")?.trim_start();
         let length = self.text.len() - device.len() + end_of_word(device, 0);
-        let finding = self.wrong("a program on a device", length, "its tasks have devices", "{");
+        let finding =
+            self.wrong("a program on a device", length, "a program has no device of its own; its tasks have", "{");
         Some(finding.mended(around::with_blanks(self.mark(0, length), self.source), " "))
     }
 
@@ -282,7 +283,7 @@ impl BrokenHead<'_> {
         if word == "in" {
             let (scene, device) = self.text.split_once(" on ").unwrap_or((self.text, "DEVICE"));
             let mend = format!("on {} {} {{", quote(device.trim()), quote(scene));
-            let note = "`on` and a device belong before this";
+            let note = "expected `on` and a device before this";
             return Some(self.wrong("a task without its device", word.len(), note, &mend));
         }
         if let Some(finding) = self.lacking(0, "on", devices(self.source)) {
@@ -292,7 +293,7 @@ impl BrokenHead<'_> {
         if word == "on" && token_at(device, 0) == "in" {
             let first = devices(self.source).next();
             let mend = format!("on {} {} {{", quote(first.unwrap_or("DEVICE")), quote(device));
-            let finding = self.wrong("a task without its device", word.len(), "a device belongs behind this", &mend);
+            let finding = self.wrong("a task without its device", word.len(), "expected a device after this", &mend);
             return Some(match first {
                 Some(first) => finding.mended(self.mark(word.len(), 0), format!(" {first}")),
                 None => finding,
@@ -307,8 +308,8 @@ impl BrokenHead<'_> {
                 let name = format!("{first}_{word}");
                 let end = self.source[..self.start].trim_end().len();
                 let finding = Diagnostic::new(Code::E0110, format!("a name of two words, `{first} {word}`"));
-                let finding =
-                    finding.label(part(self.rest, end - first.len(), self.start + word.len()), "names have no blanks");
+                let finding = finding
+                    .label(part(self.rest, end - first.len(), self.start + word.len()), "names contain no spaces");
                 return Some(finding.help(format!("write `task {name} {}`", quote(device))).mended_here(name));
             }
             let title = format!("`{word}` where `on` belongs");
@@ -329,9 +330,9 @@ impl BrokenHead<'_> {
         let rest = &self.text[at + word.len() - named.len()..];
         let title = format!("`{word}` without `{before}` before it");
         let note = if is_joined {
-            format!("a blank belongs behind `{before}`")
+            format!("expected a space after `{before}`")
         } else {
-            format!("`{before}` belongs before this")
+            format!("expected `{before}` before this")
         };
         let head = quote(&self.text[..at]);
         let finding = Diagnostic::new(Code::E0124, title).label(self.mark(at, word.len()), note).help(format!(
@@ -351,7 +352,7 @@ impl BrokenHead<'_> {
         let end = self.source[..self.start].trim_end().len();
         let last = token_before(self.source, end).len().max(1);
         let finding = Diagnostic::new(Code::E0124, "a task without its device")
-            .label(part(self.rest, end - last, end), "`on` and a device belong behind this")
+            .label(part(self.rest, end - last, end), "expected `on` and a device after this")
             .help(format!("write `{} on {} {{`", self.before, quote(device.unwrap_or("DEVICE"))));
         match device {
             Some(device) => finding.mended(part(self.rest, end, end), format!(" on {device}")),
@@ -370,7 +371,7 @@ impl BrokenHead<'_> {
             let finding = Diagnostic::new(Code::E0124, "a task on several devices");
             let finding = finding.label(self.mark(at, 1), "a task runs on one device");
             return Some(
-                finding.help("write a task for each, and run them by `together { run A, run B }` in a program"),
+                finding.help("write a task for each, and run them with `together { run A, run B }` in a program"),
             );
         }
         let scene = after[word.len()..].trim_start();

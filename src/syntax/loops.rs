@@ -10,7 +10,7 @@ use crate::source::Span;
 /// Diagnoses a `for` that could not be read; `closes` is whether a `}` stands where its block would end.
 pub(super) fn slip(span: Span, closes: bool, source: &str) -> Diagnostic {
     after_loop(span, source).or_else(|| foreign_head(span, closes, source)).unwrap_or_else(|| {
-        Diagnostic::new(Code::E0122, "a `for` in the manner of another language")
+        Diagnostic::new(Code::E0122, "a `for` in the style of another language")
             .label(around::first_word(span, "for".len()), "expected names, `in`, and a list or range")
             .help("write `for i in 0..4 { … }` for 0 to 3, or `for p in list { … }`")
     })
@@ -45,12 +45,12 @@ fn foreign_head(span: Span, closes: bool, source: &str) -> Option<Diagnostic> {
     let place = part(span, start, start + written.len());
     if head == written {
         let finding = Diagnostic::new(Code::E0122, "a `for` without its `{`");
-        let finding = finding.label(place, "a block begins behind this");
+        let finding = finding.label(place, "expected a block after this");
         let finding = finding.help(format!("write `{} {{`, and `}}` where the block ends", quote(&head)));
         return (!has_brace).then(|| if closes { finding.mended(place.after(), " {") } else { finding });
     }
-    let finding = Diagnostic::new(Code::E0122, "a `for` in the manner of another language")
-        .label(place, "a `for` has names, `in`, and a list or a range, whose end is not in it")
+    let finding = Diagnostic::new(Code::E0122, "a `for` in the style of another language")
+        .label(place, "a `for` has names, `in`, and a list or a range, which excludes its end")
         .help(format!("write `{} {{`", quote(&head)));
     Some(match (has_brace, closes) {
         (true, _) => finding.mended_here(head),

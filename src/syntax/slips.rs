@@ -38,7 +38,7 @@ pub(super) fn equals_in_wire(field: &Field, source: &str) -> Option<Diagnostic> 
     let (name, output) = (&field.name.text, &source[field.value.span.range()]);
     Some(
         Diagnostic::new(Code::E0119, format!("`{sign}` where `->` belongs"))
-            .label(mark, "between a channel and its output stands `->`")
+            .label(mark, "`->` goes between a channel and its output")
             .help(format!("write `{name} -> {}`", quote(output)))
             .mended(mark, "->"),
     )
@@ -71,14 +71,12 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
         is_path || is_indexed || bare.starts_with('"') || output.chars().all(|c| is_word(c) || "/-".contains(c));
     let mend = match is_sure {
         true => format!("write `{} -> {}`", &text[..channel], quote(&quoted)),
-        false => {
-            "an output of an instrument is written as `card.port0.line0`; any other name stands in quotes".to_owned()
-        }
+        false => "write an output of an instrument as `card.port0.line0`, and any other name in quotes".to_owned(),
     };
     let start = span.start as usize + (text.len() - rest.len());
     if sign != "->" {
         let finding = Diagnostic::new(Code::E0119, format!("`{sign}` where `->` belongs"))
-            .label(part(span, start, start + sign.len()), "between a channel and its output stands `->`")
+            .label(part(span, start, start + sign.len()), "`->` goes between a channel and its output")
             .help(mend);
         let whole = part(span, span.start as usize + channel, span.start as usize + text.trim_end().len());
         return Some(if is_sure { finding.mended(whole, format!(" -> {quoted}")) } else { finding });
@@ -97,7 +95,7 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
     }
     (quoted != output && !output.is_empty() && !output.starts_with('"')).then(|| {
         let (title, note) = match is_indexed {
-            true => ("an index in round brackets", "an index stands in `[ ]`"),
+            true => ("an index in round brackets", "an index belongs in `[ ]`"),
             false => ("an output without quotes", "an output is a string"),
         };
         let finding = Diagnostic::new(Code::E0101, title).label(part(span, at, at + output.len()), note).help(mend);
@@ -131,7 +129,7 @@ pub(super) fn foreign_comment(span: Span, text: &str) -> Option<Diagnostic> {
 
 /// A comment that begins at a byte with a foreign mark; `words` is its text.
 fn comment_behind(span: Span, at: usize, mark: &str, words: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0125, format!("a comment behind `{mark}`"))
+    Diagnostic::new(Code::E0125, format!("a comment that begins with `{mark}`"))
         .label(part(span, at, at + mark.len()), "comments begin with `//`")
         .help(format!("write `// {}`", quote(words)))
         .mended_here("//")
@@ -153,8 +151,8 @@ fn object_name(span: Span, text: &str) -> Option<Diagnostic> {
     let mended = format!("{}{}", &letters[digits..], &letters[..digits]);
     let at = span.start as usize + (text.len() - rest.len());
     Some(
-        Diagnostic::new(Code::E0110, format!("`{}` is no name", quote(name)))
-            .label(part(span, at, at + name.len()), "names are letters, digits and `_`, and begin with a letter")
+        Diagnostic::new(Code::E0110, format!("`{}` is not a valid name", quote(name)))
+            .label(part(span, at, at + name.len()), "names consist of letters, digits and `_`, and begin with a letter")
             .help(format!("write `{noun} {}`", quote(&mended)))
             .mended_here(mended),
     )
@@ -175,11 +173,11 @@ pub(super) fn word_before_name(span: Span, source: &str) -> Option<(Diagnostic, 
     let at = start + noun.len() + line[noun.len()..].find(extra)?;
     let next = at + extra.len() + line[at + extra.len() - start..].find(name)?;
     let title = match extra == noun {
-        true => format!("`{noun}` stands there twice"),
-        false => format!("`{extra}` is not of the language"),
+        true => format!("`{noun}` is repeated"),
+        false => format!("`{extra}` is not part of the language"),
     };
     let finding = Diagnostic::new(Code::E0101, title)
-        .label(part(span, at, at + extra.len()), "a name belongs here")
+        .label(part(span, at, at + extra.len()), "expected a name")
         .help(format!("write `{noun} {name}`"))
         .mended(part(span, at, next), "");
     let end = start + line.find(['}', ';']).filter(|_| !line.contains('{')).unwrap_or(line.len());
@@ -195,16 +193,16 @@ pub(super) fn object_without_at(span: Span, text: &str) -> Option<Diagnostic> {
     let (first, second) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
     if PREPOSITIONS.contains(&second) && second != "at" {
         return Some(
-            Diagnostic::new(Code::E0101, format!("`{} {second} …` is a step, and this is a scene", quote(first)))
+            Diagnostic::new(Code::E0101, format!("`{} {second} …` is a step, but this is a scene", quote(first)))
                 .label(part(span, span.start as usize, span.start as usize + line.len()), "not an object")
-                .help("steps stand in the braces of a task: `task go on bot in bench { … }`"),
+                .help("steps belong in the braces of a task: `task go on bot in bench { … }`"),
         );
     }
     let is_object = before.split_whitespace().count() == 2 || before.contains(':');
     let (at, gap) = (span.start as usize + place, if line[..place].ends_with([' ', '\t']) { "at " } else { " at " });
     (is_object && !before.ends_with(" at") && !before.contains(" at ")).then(|| {
         Diagnostic::new(Code::E0101, "`at` is missing")
-            .label(part(span, at, span.start as usize + line.len()), "`at` stands before the place of an object")
+            .label(part(span, at, span.start as usize + line.len()), "expected `at` before the place of an object")
             .help(format!("write `{} at {}`", quote(before), quote(&line[place..])))
             .mended(part(span, at, at), gap)
     })
@@ -223,7 +221,7 @@ fn shape_behind_place(span: Span, text: &str) -> Option<Diagnostic> {
     let whole = part(span, span.start as usize, span.start as usize + line.len());
     let mended = format!("{object} : {shape} at {place}");
     Some(
-        Diagnostic::new(Code::E0101, "a shape behind the place of its object")
+        Diagnostic::new(Code::E0101, "a shape after the place of its object")
             .label(part(span, span.start as usize + colon, span.start as usize + line.len()), "belongs before `at`")
             .help(format!("write `{}`", quote(&mended)))
             .mended(whole, mended),
@@ -269,7 +267,7 @@ pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
         false if written.ends_with(')') && !written.contains('(') => {
             let help = format!("write `({}`", quote(written));
             let finding =
-                Diagnostic::new(Code::E0114, "`(` is missing").label(place, "it begins before this").help(help);
+                Diagnostic::new(Code::E0114, "`(` is missing").label(place, "expected `(` before this").help(help);
             return Some(finding.mended(part(place, place.start as usize, place.start as usize), "("));
         }
         false => ("coordinates without brackets around them", format!("write `({})`", quote(written)), Some("()")),
@@ -325,7 +323,7 @@ pub(super) fn sort_of_let(span: Span, text: &str) -> Option<Diagnostic> {
     let end = at + (rest.len() - sort.len()) + end_of_word(sort, 0);
     Some(
         Diagnostic::new(Code::E0124, "`let` takes no sort")
-            .label(part(span, at, end), "a value has the sort that it is written with")
+            .label(part(span, at, end), "the sort follows from the value")
             .help(format!("write `let {name} = {}`", quote(value.lines().next().unwrap_or_default())))
             .mended_here(""),
     )
@@ -338,7 +336,7 @@ pub(super) fn level_on(step: Span, source: &str) -> Option<Diagnostic> {
     let (["set", name, "to", "on"] | ["set", name, "on"]) = words[..] else { return None };
     let end = step.start as usize + text.len();
     Some(
-        Diagnostic::new(Code::E0122, "`on` is no level of an output")
+        Diagnostic::new(Code::E0122, "`on` is not a level of an output")
             .label(part(step, end - "on".len(), end), "expected `high` or `low`")
             .help(format!("write `set {} to high`", quote(name)))
             .mended_here(if words.len() == 4 { "high" } else { "to high" }),
@@ -352,8 +350,11 @@ pub(super) fn blank_in_name(span: Span, text: &str) -> Option<Diagnostic> {
     let are_words = words.len() > 1 && words.iter().all(|word| word.chars().all(is_word));
     are_words.then(|| {
         let value = value.lines().next().unwrap_or_default().trim();
-        Diagnostic::new(Code::E0119, format!("a blank in the name `{}`", quote(&words.join(" "))))
-            .label(part(span, span.start as usize, span.start as usize + name.trim_end().len()), "names have no blanks")
+        Diagnostic::new(Code::E0119, format!("a space in the name `{}`", quote(&words.join(" "))))
+            .label(
+                part(span, span.start as usize, span.start as usize + name.trim_end().len()),
+                "names contain no spaces",
+            )
             .help(format!("write `{}: {}`", quote(&words.join("_")), quote(value)))
             .mended_here(words.join("_"))
     })
@@ -367,42 +368,40 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
         let finding = Diagnostic::new(Code::E0101, "`%` is the unit per cent, not a remainder");
         return Some(
             finding
-                .label(place, "complete before this")
+                .label(place, "what comes before this is complete")
                 .help("write `a - b * floor(a / b)` for the remainder of `a / b`"),
         );
     }
     if let Some((_, right)) = [("=<", "<="), ("=>", ">=")].into_iter().find(|(wrong, _)| *wrong == token) {
-        let finding = Diagnostic::new(Code::E0101, format!("`{token}` is no comparison"));
-        let finding = finding.label(place, "the sign of equality comes last").help(format!("write `{right}`"));
+        let finding = Diagnostic::new(Code::E0101, format!("`{token}` is not a comparison"));
+        let finding = finding.label(place, "`=` comes last").help(format!("write `{right}`"));
         return Some(finding.mended_here(right));
     }
     if token == ":" && open == Some('(') {
         return Some(
-            Diagnostic::new(Code::E0101, "an argument with its name")
-                .label(place, "no name stands before an argument")
-                .help(
-                    "leave the name out: arguments stand in the order of the parameters, as in `run fetch((19, 28))`",
-                ),
+            Diagnostic::new(Code::E0101, "a named argument")
+                .label(place, "arguments have no names")
+                .help("remove the name: arguments follow the order of the parameters, as in `run fetch((19, 28))`"),
         );
     }
     if token == "then" {
-        let finding =
-            Diagnostic::new(Code::E0101, "`then` is not of the language").label(place, "complete before this");
+        let finding = Diagnostic::new(Code::E0101, "`then` is not part of the language")
+            .label(place, "what comes before this is complete");
         return Some(
-            finding.help("steps follow each other: write the next one behind a comma, or on a line of its own"),
+            finding.help("steps run one after the other: write the next one after a comma, or on a line of its own"),
         );
     }
     if around::line_before(source, at).trim_start().starts_with("avoid contamination ") {
         let finding = Diagnostic::new(Code::E0101, "contamination is avoided in one direction at a time");
         return Some(
             finding
-                .label(place, "expected a line end")
+                .label(place, "expected the end of the line")
                 .help("write `avoid A in B`, and `avoid B in A` where both must stay clean, with the names of fluids"),
         );
     }
     if token == "before" {
-        let finding =
-            Diagnostic::new(Code::E0101, "`before` is not of the language").label(place, "complete before this");
+        let finding = Diagnostic::new(Code::E0101, "`before` is not part of the language")
+            .label(place, "what comes before this is complete");
         return Some(finding.help("write `after NAME` at the operation of an `assay` that comes later"));
     }
     open.filter(|open| matches!(open, '(' | '[')).and_then(|open| missing_comma(span, at, open, source))
@@ -463,7 +462,7 @@ fn state_in_brackets(span: Span, before: usize, open: char, source: &str) -> Opt
     let whole = part(span, begun, begun + digits.len() + 2);
     Some(
         Diagnostic::new(Code::E0101, "a state in brackets")
-            .label(whole, "the arms of a state are the digits of one number")
+            .label(whole, "the arms of a state are digits of one number")
             .help(format!("write `0b{arms}`, or the number of the state"))
             .mended(whole, format!("0b{arms}")),
     )
@@ -481,8 +480,11 @@ fn step_in_brackets(span: Span, at: usize, token: &str, source: &str) -> Option<
     let mended = format!("{verb} {inner}");
     let begin = begin + (line.len() - line.trim_start().len());
     Some(
-        Diagnostic::new(Code::E0101, "a step has no brackets of its own")
-            .label(part(span, begin + verb.len(), begin + verb.len() + 1), "what is done follows the verb")
+        Diagnostic::new(Code::E0101, "a step takes no brackets")
+            .label(
+                part(span, begin + verb.len(), begin + verb.len() + 1),
+                "what the step does follows its verb directly",
+            )
             .help(format!("write `{}`", quote(&mended)))
             .mended(part(span, begin, begin + step.len()), mended),
     )
@@ -496,7 +498,7 @@ pub(super) fn device_without_kind(span: Span, text: &str) -> Option<Diagnostic> 
     (length > 0 && name[length..].trim_start().starts_with('{')).then(|| {
         let word = &name[..length];
         Diagnostic::new(Code::E0124, format!("device `{word}` has no kind"))
-            .label(part(span, at, at + length), "`:` and a kind or another device belong behind this")
+            .label(part(span, at, at + length), "expected `:` and a kind or another device after this")
             .help(format!("write `device {word} : dimibot {{ … }}`; `tweeze devices` lists the kinds"))
     })
 }
@@ -526,9 +528,9 @@ pub(super) fn field_outside(span: Span, text: &str) -> Option<Diagnostic> {
 
 /// A head whose block has a `}` but no `{`.
 pub(super) fn missing_brace(mark: Span, head: &str) -> Diagnostic {
-    let finding = Diagnostic::new(Code::E0124, "`{` is missing").label(mark, "a block begins behind this");
+    let finding = Diagnostic::new(Code::E0124, "`{` is missing").label(mark, "expected a block after this");
     if head.ends_with('{') {
-        return finding.help("the `{` that is here belongs to a string or a comment");
+        return finding.help("the `{` here belongs to a string or a comment");
     }
     finding.help(format!("write `{} {{`", quote(head))).mended(mark.after(), " {")
 }
@@ -536,7 +538,7 @@ pub(super) fn missing_brace(mark: Span, head: &str) -> Diagnostic {
 /// `0,8` with a comma in place of the decimal point.
 pub(super) fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     Diagnostic::new(Code::E0116, format!("a decimal comma in `{}`", quote(written)))
-        .label(span, "numbers take a point")
+        .label(span, "numbers use a decimal point")
         .help(format!("write `{}`", quote(&written.replacen(',', ".", 1))))
         .mended_here(written.replacen(',', ".", 1))
 }
@@ -560,7 +562,7 @@ pub(super) fn comma_coordinates(place: Span, commas: &[Span], source: &str) -> D
         let at = (comma.start - place.start) as usize;
         mended.replace_range(at..=at, ".");
     }
-    let finding = Diagnostic::new(Code::E0116, "decimal commas in a place").label(place, "numbers take a point");
+    let finding = Diagnostic::new(Code::E0116, "decimal commas in a place").label(place, "numbers use a decimal point");
     let finding = finding.help(format!("write `{}`", quote(&mended)));
     commas.iter().fold(finding, |finding, comma| finding.mended(*comma, "."))
 }
@@ -569,7 +571,7 @@ pub(super) fn comma_coordinates(place: Span, commas: &[Span], source: &str) -> D
 pub(super) fn thousands_comma(span: Span, written: &str) -> Diagnostic {
     let [thousand, one] = ["", "."].map(|sign| written.replacen(',', sign, 1));
     Diagnostic::new(Code::E0116, format!("a comma in the number `{}`", quote(written)))
-        .label(span, "a thousand, or one?")
+        .label(span, "a thousands separator or a decimal comma?")
         .help(format!("write `{}` or `{}`", quote(&thousand), quote(&one)))
 }
 
@@ -577,7 +579,7 @@ pub(super) fn thousands_comma(span: Span, written: &str) -> Diagnostic {
 pub(super) fn colon_for_brace(mark: Span, head: &str) -> Diagnostic {
     let head = head.trim_end_matches(':').trim_end();
     Diagnostic::new(Code::E0124, "`:` where `{` belongs")
-        .label(mark, "a block stands in braces, however it is indented")
+        .label(mark, "a block is enclosed in braces, whatever its indentation")
         .help(format!("write `{} {{`, and `}}` where the block ends", quote(head)))
 }
 
@@ -585,12 +587,12 @@ pub(super) fn colon_for_brace(mark: Span, head: &str) -> Diagnostic {
 pub(super) fn carriage_returns(first: Span) -> Diagnostic {
     Diagnostic::new(Code::E0118, "the lines of this file end in a carriage return alone")
         .label(first, "the whole file reads as one line")
-        .help("save it with LF or CRLF at the line ends")
+        .help("save it with LF or CRLF line endings")
 }
 
 /// A file that contains no Tweeze at all.
 pub(super) fn not_a_program(first: Span) -> Diagnostic {
     Diagnostic::new(Code::E0101, "this does not look like a Tweeze program")
         .label(first, "no line begins a declaration")
-        .help("name another file; a program has lines such as `use std.dimibot` and `task fetch on bot { … }`")
+        .help("choose another file; a program has lines such as `use std.dimibot` and `task fetch on bot { … }`")
 }

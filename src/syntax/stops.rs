@@ -17,13 +17,13 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
         (true, _) => "expected a value",
         (false, Some('(')) => "expected `,` or `)`",
         (false, Some('[')) => "expected `,` or `]`",
-        (false, _) => "expected a line end",
+        (false, _) => "expected the end of the line",
     };
     if token.is_empty() {
         let before = code_end_before(text, span.end as usize);
         let start = before - token_before_sign(&text[..before]).len();
         return Diagnostic::new(Code::E0101, "this ends too early")
-            .label(part(span, start, before), "more belongs behind this")
+            .label(part(span, start, before), "expected more after this")
             .help("complete the line, or remove it");
     }
     let line = quote(line_before(text, at));
@@ -32,9 +32,9 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
         return found;
     }
     if token == "." && line.ends_with("..") {
-        return Diagnostic::new(Code::E0101, "`...` continues no line")
-            .label(part(span, at - 2, at + 1), "not of the language")
-            .help("leave it out: a line continues after an operator, and inside of brackets")
+        return Diagnostic::new(Code::E0101, "`...` does not continue a line")
+            .label(part(span, at - 2, at + 1), "not part of the language")
+            .help("remove it: a line continues after an operator or inside brackets")
             .mended(part(span, at - 2, at + 1), "");
     }
     let finding = Diagnostic::new(Code::E0101, format!("`{token}` does not belong here")).label(place, wanted);
@@ -52,22 +52,22 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
         return article(word_place, text);
     }
     if let Some((ours, help)) = preposition(word) {
-        return Diagnostic::new(Code::E0101, format!("`{word}` is no preposition"))
+        return Diagnostic::new(Code::E0101, format!("`{word}` is not a preposition"))
             .label(word_place, "expected a preposition")
             .help(help)
             .mended(word_place, ours);
     }
     if line.ends_with('}') && PREPOSITIONS.contains(&token) {
-        return finding.help("an index stands in `[ ]`, as in `drop[2]`; a block ends the step");
+        return finding.help("write an index in `[ ]`, as in `drop[2]`; a block ends the step");
     }
     if token == "{" && line.ends_with(':') {
         let has_bar = text[at..].lines().nth(1).is_some_and(|row| row.contains('|'));
         let word = if has_bar { "table" } else { "disc" };
-        return finding.help(format!("write the word of the value before its braces, as `{line} {word} {{ … }}`"));
+        return finding.help(format!("write the kind of value before its braces, as in `{line} {word} {{ … }}`"));
     }
     if token == "(" && before == at && !word.is_empty() {
         return Diagnostic::new(Code::E0101, "an index in round brackets")
-            .label(place, "an index stands in `[ ]`")
+            .label(place, "an index belongs in `[ ]`")
             .help(format!("write `{word}[…]`"));
     }
     if let (None, Some(finding)) = (open, word_missing(place, &line, text)) {
@@ -78,9 +78,9 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
 
 /// `move to (2, 2) and wait 5 ms`.
 pub(super) fn joined_by_and(word: Span, text: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0101, "`and` joins no steps")
+    Diagnostic::new(Code::E0101, "`and` does not join steps")
         .label(word, "the step before this ends here")
-        .help("write a comma in its place, or each step on a line of its own")
+        .help("write a comma instead, or each step on a line of its own")
         .mended(with_blanks(word, text), ", ")
 }
 
@@ -89,7 +89,7 @@ pub(super) fn round_index(whole: Span, bracket: usize, text: &str) -> Diagnostic
     let end = whole.end as usize;
     let (name, index) = (&text[whole.start as usize..bracket], &text[bracket + 1..end - 1]);
     Diagnostic::new(Code::E0101, "an index in round brackets")
-        .label(part(whole, bracket, end), "an index stands in `[ ]`, and counts from 0")
+        .label(part(whole, bracket, end), "an index belongs in `[ ]`, and counts from 0")
         .help(format!("write `{name}[{}]`", quote(index)))
         .mended(part(whole, bracket, bracket + 1), "[")
         .mended(part(whole, end - 1, end), "]")
@@ -125,15 +125,13 @@ pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagno
     };
     let before = code_end_before(text, at);
     let shown = quote(token_at(rest, 0));
-    let finding = Diagnostic::new(Code::E0101, format!("no word stands before `{shown}`"))
-        .label(value, "the step takes a value only behind a word such as `at` or `for`");
+    let finding = Diagnostic::new(Code::E0101, format!("a word is missing before `{shown}`"))
+        .label(value, "the step takes a value only after a word such as `at` or `for`");
     Some(match word.filter(|word| !has(word)) {
         Some(word) => finding
             .help(format!("write `{} {word} {}`", quote(line), quote(rest)))
             .mended(part(value, before, at), format!(" {word} ")),
-        None => {
-            finding.help("write the word that it belongs to before it, or remove it; a new step begins on a new line")
-        }
+        None => finding.help("write the word that introduces it, or remove it; a new step begins on a new line"),
     })
 }
 
@@ -145,9 +143,9 @@ pub(super) fn is_article(word: &str) -> bool {
 /// An article before a name.
 pub(super) fn article(word: Span, text: &str) -> Diagnostic {
     let end = blanks_end(text, word.end as usize);
-    Diagnostic::new(Code::E0101, format!("`{}` is not of the language", &text[word.range()]))
-        .label(word, "names stand without an article")
-        .help("leave it out")
+    Diagnostic::new(Code::E0101, format!("`{}` is not part of the language", &text[word.range()]))
+        .label(word, "names take no article")
+        .help("remove it")
         .mended(part(word, word.start as usize, end), "")
 }
 
@@ -179,7 +177,10 @@ fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnosti
     match token {
         "=" if step.ends_with(['<', '>']) => {
             let sign = &step[step.len() - 1..];
-            Some(found(&format!("a blank in `{sign}=`"), "no blank before this").help(format!("write `{sign}=`")))
+            Some(
+                found(&format!("a space in `{sign}=`"), "expected no space before this")
+                    .help(format!("write `{sign}=`")),
+            )
         }
         "=" if step.trim_end().ends_with("==") => {
             Some(found("`===` does not compare", "one `=` too many").help("write `==`").mended_here(""))
@@ -187,11 +188,11 @@ fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnosti
         "=" => Some(found("`=` does not compare", "sets a value").help("write `==`").mended_here("==")),
         "and" => Some(
             found("`and` does not join conditions", "one condition each")
-                .help("write a `require` of its own for each, one below the other: all of them hold"),
+                .help("write a separate `require` for each, one per line: all of them must hold"),
         ),
         "or" => Some(
             found("`or` does not join conditions", "no alternatives")
-                .help("choose one of them: every `require` of a task holds"),
+                .help("choose one of them: every `require` of a task must hold"),
         ),
         _ => None,
     }

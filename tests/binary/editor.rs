@@ -436,14 +436,18 @@ fn names_lead_to_their_declarations_and_back() {
     assert_eq!(changes.len(), 2, "{changes:?}");
     let range = json!({ "start": caret(text, "lab.|goal"), "end": caret(text, "lab.goal|") });
     assert_eq!(changes[&main], json!([{ "range": range, "newText": "target" }]));
-    for (name, why) in
-        [("go", "something else"), ("task", "no name"), ("a b", "no name"), ("1", "no name"), ("", "no name")]
-    {
+    for (name, why) in [
+        ("go", "another meaning"),
+        ("task", "valid name"),
+        ("a b", "valid name"),
+        ("1", "valid name"),
+        ("", "valid name"),
+    ] {
         let refused = rename(&mut editor, (&main, text), "device b|ot", name).expect_err("it is refused");
         says(&refused.message, &[why]);
     }
     let refused = rename(&mut editor, (&main, text), "|use", "x").expect_err("it is refused");
-    says(&refused.message, &["no name that is declared"]);
+    says(&refused.message, &["no name declared in your files"]);
 }
 
 #[test]
@@ -523,6 +527,6 @@ fn a_formula_declares_no_name() {
         let mut renamed = at;
         renamed["newName"] = json!("u");
         let refused = editor.ask("textDocument/rename", renamed).expect_err("it is refused");
-        says(&refused.message, &["no name that is declared"]);
+        says(&refused.message, &["no name declared in your files"]);
     }
 }

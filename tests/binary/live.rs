@@ -82,5 +82,5 @@ fn what_was_searched_is_told_of_its_own_schedule() {
     let failed = searched(out(&bench.run(&["build", "a.twz", "-v"]).code(ERRORS)));
     assert_eq!(failed.len(), 1, "{failed:?}");
     // The search for `far`, which came before and found nothing, took one step.
-    says(&failed[0], &["Searched  go ", "nothing: the plan is known without"]);
+    says(&failed[0], &["Searched  go ", "nothing: the plan needs no search"]);
 }

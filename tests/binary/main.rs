@@ -331,8 +331,8 @@ fn a_picture_of_one_instant() {
     says(&err(&late), &["E0828", "after the end of `go`, which lasts 30 ms"]);
     let unused = bench.run(&["build", "a.twz", "-o", "late", "--at", "5ms"]).code(USAGE);
     says(&err(&unused), &["--at", "--emit svg", "Usage"]);
-    let forms = "a time is written as 50ms or 0.5s";
-    for (text, mend) in [("5", forms), ("5 um", forms), ("ms", forms), ("-5ms", "a time from 0 s on is needed")] {
+    let forms = "expected a time, such as 50ms or 0.5s";
+    for (text, mend) in [("5", forms), ("5 um", forms), ("ms", forms), ("-5ms", "expected a time of 0 s or more")] {
         let at = format!("--at={text}");
         let wrong = bench.run(&["build", "a.twz", "-o", "late", "--emit", "svg", &at]).code(USAGE);
         says(&err(&wrong), &[mend]);

@@ -89,7 +89,7 @@ fn a_folder_that_cannot_be_written_is_found_before_the_search_for_a_plan() {
     let walled = SMALL.replace("on bot", "on bot in s").replace("task", "scene s { obstacle wall at (1, 1) }\ntask");
     let bench = Bench::with(walled);
     let failed = bench.run(&["build", "a.twz", "-o", "a.twz/out"]).code(FILES);
-    says(&err(&failed), &["it is a file, and no folder"]);
+    says(&err(&failed), &["it is a file, not a folder"]);
 }
 
 /// A log that keeps its own program but not another one is not a bug of Tweeze: the report says whose it is, and names
@@ -110,9 +110,9 @@ fn a_log_of_another_program_is_told_so() {
         &refused,
         &[
             "E0742",
-            "`fetch.mcap` was built from a program that claims something else than `b.twz`",
+            "`fetch.mcap` was built from a program with other claims than `b.twz`",
             "E0706",
-            "20 more of this rule",
+            "20 more violations of this rule",
         ],
     );
     assert_eq!(refused.matches("E0706").count(), 1, "{refused}");
@@ -142,7 +142,7 @@ fn a_new_project_builds_at_once() {
         assert!(err(&built).is_empty() && out(&built).contains("0 violations"), "{}", err(&built));
         bench.run(&["fmt", "--check", &program]).code(DONE);
         let again = bench.run(&["new", &folder, "--template", template]).code(FILES);
-        says(&err(&again), &["E0804", "it exists already"]);
+        says(&err(&again), &["E0804", "it already exists"]);
         assert_eq!(fs::read_to_string(bench.path(&program)).expect("it is there"), text);
     }
     for (kind, word) in [
@@ -156,6 +156,6 @@ fn a_new_project_builds_at_once() {
         assert!(text.contains(word), "{text}");
     }
     says(&err(&bench.run(&["new", "x", "--template", "sacn"]).code(USAGE)), &["'sacn'", "scan"]);
-    says(&err(&bench.run(&["new", ".."]).code(FILES)), &["is no name"]);
+    says(&err(&bench.run(&["new", ".."]).code(FILES)), &["is not a valid name"]);
     says(&err(&bench.run(&["new", "fetch.twz"]).code(FILES)), &["tweeze new fetch`"]);
 }

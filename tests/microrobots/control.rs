@@ -101,7 +101,7 @@ fn every_line_has_an_answer_and_nonsense_stops_it() {
     assert!(!answers[1]["segments"][0]["levels_v"].as_array().is_none_or(Vec::is_empty), "{}", answers[1]);
     assert!(answers[2..8].iter().all(|answer| answer["error"].is_string()), "{answers:?}");
     assert_eq!([2, 7].map(|nth: usize| answers[nth]["input_line"].as_u64()), [Some(3), Some(8)], "{answers:?}");
-    assert!(answers[4]["error"].as_str().is_some_and(|why| why.contains("`D9` is no robot of the scene")));
+    assert!(answers[4]["error"].as_str().is_some_and(|why| why.contains("`D9` is not a robot of the scene")));
     assert!(answers[5]["error"].as_str().is_some_and(|why| why.contains("expected a whole number of ns")));
     assert!(answers[6]["error"].as_str().is_some_and(|why| why.contains("one JSON object")));
     assert!(answers[7]["error"].as_str().is_some_and(|why| why.contains("`D1` occurs twice")));
@@ -206,7 +206,7 @@ fn a_recording_is_verified() {
     let program = std::fs::read_to_string(&*path).expect("the program");
     std::fs::write(&other, program.replace("margin: 2 V", "margin: 1 V")).expect("another program");
     assert!(verified(&["--against", &other.to_string_lossy()], VERIFICATION).contains("E0742"));
-    assert!(verified(&["--path-tolerance", "20"], USAGE).contains("a length is written as 20um"));
+    assert!(verified(&["--path-tolerance", "20"], USAGE).contains("expected a length, such as 20um"));
     let view = tweeze(&["view", &run, "--no-open"]).assert().code(FILES);
     assert!(text(&view.get_output().stderr).contains("recording of a controlled run"));
     let mut bytes = std::fs::read(&record).expect("a recording");
@@ -221,7 +221,8 @@ fn only_this_machine_is_listened_at_and_one_task_controlled() {
     let folder = folder();
     let path = four(&folder);
     let path = path.to_string_lossy();
-    for (address, why) in [("8.8.8.8:7000", "only this machine"), ("7000", "HOST:PORT"), ("unix:", "path")] {
+    for (address, why) in [("8.8.8.8:7000", "only addresses of this machine"), ("7000", "HOST:PORT"), ("unix:", "path")]
+    {
         let run = tweeze(&["control", &path, "--listen", address]).assert().code(USAGE);
         assert!(text(&run.get_output().stderr).contains(why), "{address}: {}", text(&run.get_output().stderr));
     }

@@ -157,7 +157,7 @@ fn a_full_disk_stops_the_robots_first() {
     assert_eq!(last["reason"], "unrecorded", "{last}");
     let (_, status, said) = peer.end(&last);
     assert_eq!(status, Some(FILES), "{said}");
-    assert!(said.contains("E0804") && said.matches("cannot go on recording").count() == 1, "{said}");
+    assert!(said.contains("E0804") && said.matches("cannot continue recording").count() == 1, "{said}");
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn nothing_is_left_of_a_run_that_nobody_joined() {
     drop(std::os::unix::net::UnixListener::bind(&socket).expect("a socket"));
     let run = control(&program, &["--listen", &listen]).output().expect("it runs");
     let said = String::from_utf8_lossy(&run.stderr);
-    assert!(run.status.code() == Some(FILES) && said.contains("if a process that was killed has left it"), "{said}");
+    assert!(run.status.code() == Some(FILES) && said.contains("if a killed process left it behind"), "{said}");
     std::fs::remove_file(&socket).expect("the socket");
     let mut child = begun(&mut control(&program, &["--listen", &listen, "--record", &record.to_string_lossy()]));
     let mut words = BufReader::new(child.stderr.take().expect("its words")).lines().map_while(Result::ok);

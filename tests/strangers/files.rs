@@ -82,7 +82,10 @@ fn a_journal_from_elsewhere_changes_nothing() {
     bench.write(".tweeze-journal", journal);
     for arguments in [&["verify", "go.mcap"], &["build", "one.twz"]] {
         let refused = bench.run(arguments).code(FILES);
-        says(&refused.err, &["E0808", "the journal is not of a build into this folder", "delete `.tweeze-journal`"]);
+        says(
+            &refused.err,
+            &["E0808", "the journal does not belong to a build into this folder", "delete `.tweeze-journal`"],
+        );
         assert_eq!(fs::read_to_string(bench.path("a.csv")).expect("there"), "mine");
         assert!(bench.path("one.twz").exists());
     }

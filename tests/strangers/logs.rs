@@ -66,7 +66,7 @@ fn what_was_not_derived_again_is_called_so() {
         &reported,
         &[
             "Unchecked",
-            "the planner's bounds, estimates, guarantees and remarks, and that the plan is optimal: recorded, and not derived again",
+            "the planner's bounds, estimates, guarantees and remarks, and that the plan is optimal: recorded but not derived again",
         ],
     );
 }
@@ -75,7 +75,7 @@ fn what_was_not_derived_again_is_called_so() {
 fn plans_are_derived_again_where_that_is_asked_for() {
     let bench = built_with_a_small_bead();
     let replanned = bench.run(&["verify", "go.mcap", "--replan"]).code(DONE).out;
-    says(&replanned, &["Replanned", "the program gives this plan again", "With", SETTING]);
+    says(&replanned, &["Replanned", "planning the program again gives this plan", "With", SETTING]);
     assert!(!replanned.contains("Unchecked"), "{replanned}");
     let json = bench.run(&["verify", "go.mcap", "--replan", "--format", "json"]).code(DONE).out;
     says(&json, &[r#""replanned":true"#, r#""optimal":true"#]);

@@ -74,7 +74,7 @@ fn the_best_plan_is_kept_where_that_is_asked_for() {
     }
     let bench = Bench::new();
     let output = interrupted(&bench, "--emit json").wait_with_output().expect("it ends");
-    let reported = "tweeze: goes on with the best plan found; Ctrl-C again ends without one\n";
+    let reported = "tweeze: continuing with the best plan found; press Ctrl-C again to stop without one\n";
     assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), reported));
     let json = std::fs::read_to_string(bench.path("out/go.json")).expect("it was written");
     let schedule: serde_json::Value = serde_json::from_str(&json).expect("JSON");

@@ -29,7 +29,7 @@ pub fn run(arguments: &DevicesArguments) -> Exit {
     let near = nearest(subject, kinds.chain(Family::ALL.iter().map(|family| family.name())));
     let near = match (crate::stdlib::declaring("device", subject), near) {
         (Some(file), _) => format!(
-            "; it is a device of `std.{file}`, to start from as `device mine : {file}.{subject}`: `tweeze devices {file}` has its words"
+            "; it is a device of `std.{file}`: start from it with `device mine : {file}.{subject}`; `tweeze devices {file}` lists its words"
         ),
         (None, Some(near)) => format!("; did you mean `{near}`?"),
         (None, None) => String::new(),

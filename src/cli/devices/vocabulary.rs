@@ -18,7 +18,7 @@ pub fn kinds() -> String {
             vocabulary.name, vocabulary.summary, ""
         );
     }
-    text.push_str("\nInstruments that channels are wired to:\n\n");
+    text.push_str("\nInstruments to which channels are wired:\n\n");
     for family in Family::ALL {
         let (file, instrument) = family.library();
         let _ = writeln!(
@@ -168,7 +168,7 @@ fn together(vocabulary: &Vocabulary) -> Option<(String, String)> {
 
 fn assay(vocabulary: &Vocabulary) -> Option<(String, String)> {
     let meaning =
-        "the operations in the braces: those of one part follow each other, parts do not wait for one another";
+        "the operations in the braces: those of one part follow each other; parts do not wait for one another";
     match vocabulary.assay {
         Assay::Yes => Some(("assay { … }".to_owned(), meaning.to_owned())),
         Assay::No => None,
@@ -177,12 +177,15 @@ fn assay(vocabulary: &Vocabulary) -> Option<(String, String)> {
 
 fn waits() -> [(String, String); 3] {
     [
-        ("wait 10 ms", "nothing is switched for so long"),
+        ("wait 10 ms", "nothing is switched for this time"),
         (
             "wait until card.port0.line5 for at most 5 s",
-            "until a digital input is high, or `at low` low; else all is broken off",
+            "until a digital input is high, or low with `at low`; if it is not in time, the run is aborted",
         ),
-        ("prompt \"add the sample\"", "asks the person at the bench, and waits for the answer; `for at most 10 min`"),
+        (
+            "prompt \"add the sample\"",
+            "asks the person at the bench and waits for the answer; `for at most 10 min` limits the wait",
+        ),
     ]
     .map(|(form, meaning)| (form.to_owned(), meaning.to_owned()))
 }
@@ -200,14 +203,14 @@ fn common_settings(vocabulary: &Vocabulary) -> Vec<(String, String)> {
     if vocabulary.state.is_some() {
         settings.push((
             "start at STATE".to_owned(),
-            "where the device stands (else where its last task left it, or its home)".to_owned(),
+            "where the device is (else where its last task left it, or its home)".to_owned(),
         ));
     }
     let outcome = vocabulary.outcomes.iter().find(|outcome| outcome.unit.dimension() == Dimension::TIME);
     let outcome = outcome.map_or("cost", |outcome| outcome.name);
     settings.push((
         "require CONDITION".to_owned(),
-        format!("a limit that the plan must keep, as `require {outcome} <= 400 ms`"),
+        format!("a limit that the plan must keep, such as `require {outcome} <= 400 ms`"),
     ));
     settings
 }

@@ -222,7 +222,7 @@ pub fn try_folder(folder: &Path) -> Diagnosed {
 }
 
 fn no_folder() -> io::Error {
-    io::Error::new(io::ErrorKind::NotADirectory, "it is a file, and no folder")
+    io::Error::new(io::ErrorKind::NotADirectory, "it is a file, not a folder")
 }
 
 /// Creates a folder with files in it, by name: completely or not at all. Missing parent folders are created.
@@ -235,7 +235,7 @@ pub fn make_folder(folder: &Path, files: &[(&str, String)]) -> Diagnosed {
 
 fn made(folder: &Path, files: &[(&str, String)]) -> io::Result<()> {
     if folder.symlink_metadata().is_ok() {
-        return Err(io::Error::new(io::ErrorKind::AlreadyExists, "it exists already"));
+        return Err(io::Error::new(io::ErrorKind::AlreadyExists, "it already exists"));
     }
     let above = folder.parent().filter(|above| *above != Path::new("")).unwrap_or(Path::new("."));
     fs::create_dir_all(above)?;
@@ -258,7 +258,7 @@ pub fn settle(file: &Path) -> Diagnosed {
     }
     let unfinished = |why: &io::Error| Box::new(errors::unfinished(folder, JOURNAL, why));
     if !commit::KNOWS_FILES {
-        let why = io::Error::new(io::ErrorKind::Unsupported, "this system does not tell whose journal it is");
+        let why = io::Error::new(io::ErrorKind::Unsupported, "this system does not report who owns the journal");
         return Err(unfinished(&why));
     }
     Folder::open(folder, &RealDisk).map(drop).map_err(|fault| unfinished(&fault.error))

@@ -90,7 +90,7 @@ fn as_text(
     text.push_str(&terminal::line("Verified", task, width, &format!("{took}, 0 violations")));
     if let Some(far) = farthest {
         let (off, allowed) = (rounded(far.off_um), rounded(far.allowed_um));
-        let at = format!("at most {off} um of {allowed} um off the commanded path, at {} s", s(far.at_ns));
+        let at = format!("at most {off} um off the commanded path, at {} s; {allowed} um is allowed", s(far.at_ns));
         text.push_str(&terminal::line("Followed", &far.robot, width, &at));
     }
     for goal in goals {
@@ -112,7 +112,7 @@ fn near(goal: &GoalReached) -> String {
     let place = if goal.is_docked { "its place in the structure" } else { "its goal" };
     let [off, may] = [goal.off_um, goal.allowed_um].map(rounded);
     let [turned, may_turn] = [goal.off_rad, goal.allowed_rad].map(|rad| rounded(rad.to_degrees()));
-    format!("{off} um of {may} um and {turned} deg of {may_turn} deg off {place}")
+    format!("{off} um and {turned} deg off {place}; {may} um and {may_turn} deg are allowed")
 }
 
 /// Rounds to two decimals, which is precise enough beside measurement errors.

@@ -158,7 +158,7 @@ fn connected(child: &mut Child) -> Result<BufReader<TcpStream>, String> {
     let address = loop {
         let mut line = String::new();
         match stderr.read_line(&mut line) {
-            Ok(0) | Err(_) => return Err(format!("the controller ended before it listened:\n{before}")),
+            Ok(0) | Err(_) => return Err(format!("the controller ended before it was listening:\n{before}")),
             Ok(_) => match line.split_once(LISTENING) {
                 Some((_, address)) => break address.trim().to_owned(),
                 None => before.push_str(&line),

@@ -22,7 +22,7 @@ use std::path::Path;
 /// Simulates the assemblies of a program with imperfect robots and measurements.
 pub fn run(arguments: &SimulateArguments) -> Exit {
     if arguments.record.is_some() && arguments.trials != 1 {
-        terminal::to_stderr("tweeze: `--record` is of a single trial: add `--trials 1`\n");
+        terminal::to_stderr("tweeze: `--record` records a single trial: add `--trials 1`\n");
         return Exit::Usage;
     }
     if let Some((path, error)) = arguments.record.as_deref().and_then(|path| Some((path, unrecordable(path)?))) {
@@ -200,12 +200,12 @@ fn summary(task: &str, seed: u64, report: &SimulationReport) -> String {
     let share = |share: f64| format!("{:.1}", share * 100.0);
     let area = |area: ShareSpread| format!("{} / {} / {} %", share(area.mean), share(area.p5), share(area.min));
     let area = format!(
-        "area of the goal that they cover: {}, as a shape {} (mean, 5 %, least)",
+        "covered area of the goal: {}, as a shape {} (mean, 5 %, least)",
         area(report.area_in_place),
         area(report.area_of_shape)
     );
     let below = |text: &str| terminal::line("", "", task.chars().count(), text);
-    format!("{line}{}{}", below(&format!("time of those: {time} s (mean, 95 %, longest)")), below(&area))
+    format!("{line}{}{}", below(&format!("time of these: {time} s (mean, 95 %, longest)")), below(&area))
 }
 
 /// A row for each robot; each figure as its mean, 95th percentile and maximum.
@@ -223,7 +223,7 @@ fn dockings(report: &SimulationReport) -> String {
     };
     let rows: Vec<Vec<String>> =
         std::iter::once(heading.map(str::to_owned).to_vec()).chain(report.dockings.iter().map(row)).collect();
-    format!("\n  errors without their signs: mean, 95th percentile, largest\n{}", terminal::aligned(&rows))
+    format!("\n  absolute errors: mean, 95th percentile, largest\n{}", terminal::aligned(&rows))
 }
 
 fn failures(report: &SimulationReport, line: &dyn Fn(usize) -> Option<u32>) -> String {
@@ -238,10 +238,10 @@ fn failures(report: &SimulationReport, line: &dyn Fn(usize) -> Option<u32>) -> S
 
 fn phase(phase: ControlPhase) -> &'static str {
     match phase {
-        ControlPhase::Legs => "in legs as written",
+        ControlPhase::Legs => "in the legs of the program",
         ControlPhase::Wait => "while the bed waits",
         ControlPhase::Approach => "on its way",
-        ControlPhase::Timing => "before it is in time with its partner",
+        ControlPhase::Timing => "before it is synchronised with its partner",
         ControlPhase::Meeting => "on its way to its partner",
         ControlPhase::Fine => "in fine motion",
         ControlPhase::Contact => "at contact",

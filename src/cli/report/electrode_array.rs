@@ -47,7 +47,7 @@ fn crossings(order: &ElectrodeArrayOrder, run: &ReportedRun, heater: &BoardZone,
         let [lasts, since] = [lasts_ns, *first_ns].map(Quantity::time_ns);
         let temperature = Quantity::new(k, Dimension::TEMPERATURE);
         lines.push(format!(
-            "`{part}` is over heater `{}` at {temperature} for {lasts} on its way, from {since} on",
+            "`{part}` is over heater `{}` at {temperature} for {lasts} on its way, first at {since}",
             heater.name
         ));
     }

@@ -93,7 +93,7 @@ impl<'a> LiveReport<'a> {
     fn note_searched(&mut self) {
         let Some(begin) = self.planned.take() else { return };
         let mut text = match self.search.news().steps {
-            0 => "nothing: the plan is known without".to_owned(),
+            0 => "nothing: the plan needs no search".to_owned(),
             steps => count(steps, "step"),
         };
         if std::io::stdout().is_terminal() {

@@ -228,16 +228,11 @@ fn planned(schedule: &Schedule, claims: &Claims, width: usize, detail: Detail) -
         let more = lines.len().saturating_sub(detail.most_lines());
         if more > 0 {
             let more = count(more, "line");
-            text.push_str(&terminal::line(
-                "",
-                "",
-                width,
-                &format!("and {more} more, all of them in the JSON schedule"),
-            ));
+            text.push_str(&terminal::line("", "", width, &format!("and {more} more; all are in the JSON schedule")));
         }
     }
     for [one, other] in &claims.not_held {
-        let line = format!("`{one}` and `{other}` are not: no scene places both");
+        let line = format!("`{one}` and `{other}` are not checked against each other: no scene places both");
         text.push_str(&terminal::line("Apart", "", width, &line));
     }
     text
@@ -258,7 +253,7 @@ fn idle(schedule: &Schedule) -> Vec<Note> {
         schedule.actuations.iter().map(|actuation| schedule.steps[actuation.step as usize].plan).collect();
     let is_idle = |(index, _): &(u32, &PlanRecord)| !busy.contains(index);
     let line = |(_, plan): (u32, &PlanRecord)| {
-        (ReportTopic::Idle, format!("{}: 0 actuations, nothing is switched or moved", plan.task))
+        (ReportTopic::Idle, format!("{}: 0 actuations; nothing is switched or moved", plan.task))
     };
     (0..).zip(&schedule.plans).filter(is_idle).map(line).collect()
 }
@@ -270,11 +265,11 @@ fn unwired(schedule: &Schedule) -> Option<Note> {
         (0..).zip(&schedule.channels).filter(|(index, channel)| channel.wire.is_none() && acting.contains(index));
     let names: Vec<&str> = channels.map(|(_, channel)| channel.name.as_str()).collect();
     let first = names.first().filter(|_| !schedule.bench.is_empty())?;
-    let (all, verb) = match names.len() - 1 {
-        0 => (first.to_string(), "has"),
-        more => (format!("{first} and {}", count(more, "other channel")), "have"),
+    let (all, verb, them) = match names.len() - 1 {
+        0 => (first.to_string(), "has", "it"),
+        more => (format!("{first} and {}", count(more, "other channel")), "have", "them"),
     };
-    Some((ReportTopic::Unwired, format!("{all} {verb} no wire, so that no instrument plays this")))
+    Some((ReportTopic::Unwired, format!("{all} {verb} no wire, so no instrument plays {them}")))
 }
 
 /// Note that the search for a plan was ended early.

@@ -32,7 +32,7 @@ words! {
 words! {
     /// Search method.
     pub enum DimibotMethod {
-        StagedAstar = "staged_astar": "Tweeze's own: a greedy walk; where it is blocked, A* with the exact distance of the free lattice, then A* led by distances between blocks of cells",
+        StagedAstar = "staged_astar": "Tweeze's own: a greedy walk; where it is blocked, A* with the exact distance of the free lattice, then A* guided by distances between blocks of cells",
         Dijkstra = "dijkstra": "the paper's section 4.2",
         BidirectionalDijkstra = "bidirectional_dijkstra": "the paper's section 4.2, from both ends",
         Astar = "astar": "the paper's section 4.3: A* with the distance in the frame R1",
@@ -115,7 +115,7 @@ const FIELDS: &[VocabularyField] = &[
         "pulse_duration",
         Dimension::TIME,
         Range::Positive,
-        "length of a switching pulse; the module snaps at some instant in it",
+        "length of a switching pulse; the module snaps at some instant within it",
     ),
     quantity("rest", Dimension::TIME, Range::NotNegative, "time after each pulse in which no module is switched"),
     quantity(
@@ -143,13 +143,13 @@ const SETTINGS: &[VocabularyField] = &[
     VocabularyField {
         name: "precision",
         sort: Sort::Quantity { dimension: Dimension::LENGTH, range: Range::Positive },
-        need: Need::Optional("any place in the workspace takes its nearest cell"),
-        doc: "greatest distance between a place and the cell taken for it",
+        need: Need::Optional("any place in the workspace is assigned to its nearest cell"),
+        doc: "greatest distance between a place and the cell assigned to it",
     },
     VocabularyField {
         name: "simultaneous",
         sort: Sort::Word(Simultaneous::CHOICES),
-        need: Need::Optional("as the device says"),
+        need: Need::Optional("that of the device"),
         doc: "whether several modules may be switched in one pulse",
     },
 ];
@@ -157,8 +157,8 @@ const SETTINGS: &[VocabularyField] = &[
 words! {
     /// A step of a DiMiBot.
     pub enum DimibotVerb {
-        Move = "move": "carries the end-effector to a cell or a place, by way of others in the order of writing",
-        Visit = "visit": "carries the end-effector to each of these cells and places, in the best order, and ends at the last one",
+        Move = "move": "moves the end-effector to a cell or a place, via others in the order written",
+        Visit = "visit": "visits these cells and places in the best order; the plan chooses where it ends",
     }
 }
 
@@ -198,12 +198,12 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     fields: FIELDS,
     nouns: &[Noun {
         name: "obstacle",
-        doc: "something that the tip must not touch; a point if it has no shape",
+        doc: "an obstacle that the tip must not touch; a point if it has no shape",
         shapes: ShapeForm::SOLID,
     }],
     settings: SETTINGS,
     state: Some(Sort::State),
-    together: Together::No("a dimibot has one end-effector and nothing to move together"),
+    together: Together::No("a dimibot has one end-effector, so there is nothing to move together"),
     assay: Assay::No,
     frames: Frames::Yes,
     verbs: VERBS,
@@ -216,5 +216,5 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
         outcome(DimibotOutcome::Time.choice(), OutcomeUnit::Nanosecond),
         outcome(DimibotOutcome::Energy.choice(), OutcomeUnit::Joule),
     ],
-    channels: "<device>.bl<i>.set, <device>.bl<i>.reset, and br likewise: the voltage on the actuator that brings the module to 1 or to 0",
+    channels: "<device>.bl<i>.set, <device>.bl<i>.reset, and likewise for br: the voltage on the actuator that brings the module to 1 or to 0",
 };

@@ -14,7 +14,7 @@ words! {
     /// Objective.
     pub enum ElectrodeArrayObjective {
         Makespan = "makespan": "the steps until the last part has arrived",
-        SumOfCosts = "sum_of_costs": "the steps until each part's last arrival, added up",
+        SumOfCosts = "sum_of_costs": "sum of the steps until each part's last arrival",
     }
 }
 
@@ -22,7 +22,7 @@ words! {
     /// An outcome of a plan.
     pub enum ElectrodeArrayOutcome {
         Steps = "steps": "steps of the board until the last arrival",
-        SumOfCosts = "sum_of_costs": "the steps until each part's last arrival, added up over all parts",
+        SumOfCosts = "sum_of_costs": "sum over all parts of the steps until a part's last arrival",
         Moves = "moves": "moves of parts from cell to cell",
         Time = "time": "from the beginning of the task to the end of its last step",
     }
@@ -31,8 +31,8 @@ words! {
 words! {
     /// Search method.
     pub enum ElectrodeArrayMethod {
-        Portfolio = "portfolio": "Tweeze's own: prioritised search in space and time and repair for a first plan, search in large neighbourhoods for better ones, conflict-based search for the proof",
-        CooperativeAstar = "cooperative_astar": "the paper's algorithm 1 with its heuristic of equation 12: greedy, and may miss a plan",
+        Portfolio = "portfolio": "Tweeze's own: prioritised space-time search and repair for a first plan, large neighbourhood search for better ones, conflict-based search for the proof",
+        CooperativeAstar = "cooperative_astar": "the paper's algorithm 1 with its heuristic of equation 12: greedy, so it may miss a plan",
         PlainCooperativeAstar = "plain_cooperative_astar": "the same with the plain heuristic of equation 13",
     }
 }
@@ -88,9 +88,13 @@ const SEPARATION: [WordChoice; 1] =
 
 const FORCES: [VocabularyField; 7] = [
     required("radius", positive(Dimension::LENGTH), "the electrode radius that the row is for"),
-    required("potential", positive(Dimension::VOLTAGE), "the potential of the row, the least that moves a part"),
+    required(
+        "potential",
+        positive(Dimension::VOLTAGE),
+        "the potential of the row, which is the least that moves a part",
+    ),
     required("permittivity", positive(Dimension::NUMBER), "the relative permittivity of the row's dielectric"),
-    required("distance", positive(Dimension::LENGTH), "distance of centres for the row's forces"),
+    required("distance", positive(Dimension::LENGTH), "distance between centres for the row's forces"),
     required("vertical_force", not_negative(Dimension::FORCE), "the electrodes' pull towards the board"),
     required("weight", not_negative(Dimension::FORCE), "the weight of a part"),
     required("lateral_force", positive(Dimension::FORCE), "the electrodes' pull along the board"),
@@ -103,68 +107,77 @@ const FIELDS: &[VocabularyField] = &[
         "channels",
         Sort::CountRows { most: MAX_CHANNEL },
         "every place has an electrode, without a number",
-        "number of each electrode's channel on the driver, a list for each row, the top row first; `none` where the board has no electrode; several electrodes may share one",
+        "number of each electrode's channel on the driver, as a list for each row, the top row first; `none` where the board has no electrode; several electrodes may share a channel",
     ),
     optional(
         "map",
         Sort::Board(BoardLimits { most_channel: MAX_CHANNEL, most_side: MAX_SIDE }),
         "no file",
-        "file with the electrodes of the board, in place of `channels`, `columns` and `rows`: of PurpleDrop or OpenDrop (JSON), or of MicroDrop (SVG)",
+        "file with the electrodes of the board, instead of `channels`, `columns` and `rows`: from PurpleDrop or OpenDrop (JSON), or from MicroDrop (SVG)",
     ),
     optional("disabled", Sort::Cells, "all electrodes work", "electrodes that do not work"),
     required("radius", positive(Dimension::LENGTH), "radius of an electrode"),
     required(
         "pitch_ratio",
         positive(Dimension::NUMBER),
-        "gap between the rims of neighbouring electrodes over their radius, d1",
+        "gap between the rims of neighbouring electrodes divided by their radius, d1",
     ),
     optional("least_pitch_ratio", positive(Dimension::NUMBER), "no limit", "the least `pitch_ratio` without arcing"),
-    optional("most_pitch_ratio", positive(Dimension::NUMBER), "no limit", "the greatest `pitch_ratio` that carries"),
-    required("potential", positive(Dimension::VOLTAGE), "on an electrode that is on"),
+    optional(
+        "most_pitch_ratio",
+        positive(Dimension::NUMBER),
+        "no limit",
+        "the greatest `pitch_ratio` at which a part still moves",
+    ),
+    required("potential", positive(Dimension::VOLTAGE), "potential of an electrode that is on"),
     optional(
         "least_potential",
         positive(Dimension::VOLTAGE),
-        "what `forces` ask for",
-        "the least potential that moves a part, where it was measured",
+        "what `forces` require",
+        "measured least potential that moves a part",
     ),
-    required("step_duration", positive(Dimension::TIME), "one move to a neighbouring cell, settling included"),
+    required(
+        "step_duration",
+        positive(Dimension::TIME),
+        "duration of one move to a neighbouring cell, settling included",
+    ),
     optional(
         "settling",
         not_negative(Dimension::TIME),
         "from the equation of motion if `forces` are given",
-        "measured time from one cell to rest on the next",
+        "measured time from one cell until rest on the next",
     ),
     required("part", Sort::Shape(ShapeForm::Layout), "the layout of every part, seen from below"),
     optional(
         "hold",
         Sort::Flag,
         "false",
-        "whether the electrodes that brought a part to its cell stay on while it rests; all are off where no task runs, also where a `program` waits between tasks (W0512)",
+        "whether the electrodes that brought a part to its cell stay on while it rests; all are off while no task runs, also while a `program` waits between tasks (W0512)",
     ),
     optional(
         "dispense_duration",
         positive(Dimension::TIME),
         "it has no reservoirs",
-        "time in which a reservoir without `dispense_frames` makes one droplet on the electrode at its outlet, which is on meanwhile",
+        "time in which a reservoir without `dispense_frames` dispenses one droplet onto the electrode at its outlet, which is on meanwhile",
     ),
     optional("outlets", Sort::Cells, "reservoirs may be anywhere", "the electrodes at the outlets of its reservoirs"),
     optional(
         "dispense_frames",
         Sort::CountTables { most: MAX_CHANNEL },
         "reservoirs work without the board",
-        "for each outlet the frames that make a droplet, each a list of the driver's channels that are on: pads of the reservoir, and the electrode at the outlet",
+        "for each outlet the frames that dispense a droplet, each a list of the driver's channels that are on: pads of the reservoir, and the electrode at the outlet",
     ),
     optional(
         "dispense_frame_duration",
         positive(Dimension::TIME),
-        "none; needed with `dispense_frames`",
-        "time from one of these frames to the next; whole steps of the board that are not shorter are taken",
+        "none; required with `dispense_frames`",
+        "time from one of these frames to the next, rounded up to whole steps of the board",
     ),
     optional(
         "mixer",
         Sort::Cell,
         "(2, 2)",
-        "columns and rows of the loop round which a droplet is moved to mix it, each at least 2",
+        "columns and rows of the loop around which a droplet is moved to mix it, each at least 2",
     ),
     optional(
         "least_volume",
@@ -205,7 +218,7 @@ const FIELDS: &[VocabularyField] = &[
         "permittivity",
         positive(Dimension::NUMBER),
         "that of `forces`",
-        "relative permittivity of the dielectric on the board; forces grow with it",
+        "relative permittivity of the dielectric on the board; forces increase with it",
     ),
     defaulted(
         "friction",
@@ -218,25 +231,25 @@ const FIELDS: &[VocabularyField] = &[
         positive(Dimension::NUMBER),
         // Figure 7 of the paper on microparts.
         DefaultFigure::new(1.0, ""),
-        "distance of centres, over the radius, at which an electrode pulls hardest",
+        "distance between centres, divided by the radius, at which an electrode pulls hardest",
     ),
     defaulted(
         "rest_share",
         positive(Dimension::NUMBER),
         DefaultFigure::new(2.0, "%"),
-        "share of the pitch, and of the greatest speed, within which a part is at rest",
+        "share of the pitch, and of the greatest speed, within which a part counts as at rest",
     ),
     optional("density", positive(Dimension::DENSITY), "from `mass`", "density of a part, a plate half a radius thick"),
     optional("mass", positive(Dimension::MASS), "from `density`", "measured mass of a part"),
     optional("viscosity", positive(Dimension::VISCOSITY), "from `damping`", "viscosity of the liquid under the parts"),
-    optional("damping", positive(Dimension::DAMPING), "by `viscosity`", "drag over speed, where it was measured"),
+    optional("damping", positive(Dimension::DAMPING), "by `viscosity`", "measured drag divided by speed"),
 ];
 
 const SETTINGS: &[VocabularyField] = &[VocabularyField {
     name: "may_yield",
     sort: Sort::Flag,
     need: Need::Optional("false"),
-    doc: "whether parts without a goal may step aside, and come back",
+    doc: "whether parts without a goal may step aside and return",
 }];
 
 /// The word before a name that stands for all parts of that name with an index.
@@ -295,16 +308,16 @@ const IN_MAGNET: [VocabularyPhrase; 5] = [
 words! {
     /// A step of a board.
     pub enum ElectrodeArrayVerb {
-        Move = "move": "carries a part to a cell, by way of others in the order of writing",
-        Dispense = "dispense": "makes a droplet on the electrode at a reservoir's outlet, by the device's `dispense_frames` or in its `dispense_duration`",
-        Merge = "merge": "brings two droplets together at a cell; the first name is that of both from then on",
-        Split = "split": "makes a droplet out of half of another one, which is pulled apart at a cell: the new one comes at the cell after `to` beside it, else at that of the next column, and the other one goes to the opposite side",
-        Mix = "mix": "moves a droplet round the device's `mixer`, anticlockwise and in whole rounds, for at least so long, from where it is or from a cell: the corner of the loop with the least column and row, where it is again at the end",
-        Incubate = "incubate": "leaves a part where it is, or at a cell, for at least so long: to react, to be heated, to be read",
-        Heat = "heat": "keeps a part at a heater, at its middle or at one of its cells, for at least so long; the heater has that temperature in the whole program",
-        Detect = "detect": "keeps a part at a detector, at its middle or at one of its cells, for at least so long, with no other part there meanwhile",
-        Hold = "hold": "keeps a part at a magnet, at its middle or at one of its cells, for at least so long, until it holds the beads in it",
-        Discard = "discard": "takes a part off the board at a cell, as a port or an open rim; its name means nothing from then on",
+        Move = "move": "moves a part to a cell, via others in the order written",
+        Dispense = "dispense": "dispenses a droplet onto the electrode at a reservoir's outlet, with the device's `dispense_frames` or in its `dispense_duration`",
+        Merge = "merge": "merges two droplets at a cell; from then on, the first name stands for both",
+        Split = "split": "pulls a droplet apart into two halves at a cell: the new droplet is at the neighbouring cell after `to`, or without `to` in the next column, and the other half goes to the opposite side",
+        Mix = "mix": "moves a droplet around the device's mixing loop (`mixer`), anticlockwise, in whole rounds, for at least this time; where it is, or the cell after `at`, is the loop's corner with the least column and row, where the droplet also ends",
+        Incubate = "incubate": "keeps a part where it is, or at a cell, for at least this time: to react, to be heated, to be read",
+        Heat = "heat": "keeps a part at a heater, at its middle or at one of its cells, for at least this time; the heater has that temperature throughout the program",
+        Detect = "detect": "keeps a part at a detector, at its middle or at one of its cells, for at least this time, with no other part there meanwhile",
+        Hold = "hold": "keeps a part at a magnet, at its middle or at one of its cells, for at least this time, until the magnet holds the beads in it",
+        Discard = "discard": "removes a part from the board at a cell, such as a port or an open rim; its name is invalid from then on",
     }
 }
 
@@ -346,7 +359,7 @@ const VERBS: &[Verb] = &[
         noun: Some(ANY),
         object: Some(Sort::Object("part")),
         phrases: &[VocabularyPhrase { preposition: "to", sort: Sort::Cells, count: Count::Once }],
-        doc: "carries all parts of an indexed name, as `m[0]`, `m[1]` and on, to as many cells; the plan chooses which of them comes to which",
+        doc: "moves all parts of an indexed name, such as `m[0]` and `m[1]`, to as many cells; the plan chooses which part goes to which cell",
         example: "move any m to [(5, 20), (9, 20), (13, 20)]",
         ..verb(ElectrodeArrayVerb::Move.choice())
     },
@@ -436,7 +449,7 @@ const CONDITIONS: &[Verb] = &[
         object: Some(Sort::Object("fluid")),
         phrases: &[VocabularyPhrase { preposition: "in", sort: Sort::Object("fluid"), count: Count::Once }],
         block: None,
-        doc: "keeps traces of a fluid out of another one: no droplet that contains the second and not the first comes onto an electrode on which the first was, unless it was washed in between",
+        doc: "keeps traces of one fluid out of another: a droplet that contains the second but not the first may not enter an electrode where the first has been, unless the electrode was washed in between",
         example: "avoid blood in serum",
     },
     Verb {
@@ -448,7 +461,7 @@ const CONDITIONS: &[Verb] = &[
             VocabularyPhrase { preposition: "to", sort: Sort::Cell, count: Count::AtMostOnce },
         ],
         block: None,
-        doc: "makes droplets of nothing but a fluid take away what was left on the electrodes to which they come; with a cell after `to` such droplets are added where they are needed, and leave there",
+        doc: "declares a wash fluid: droplets of it alone remove traces from the electrodes they visit; with a cell after `to`, wash droplets are added where needed and leave at that cell",
         example: "wash with water to (16, 2)",
     },
 ];

@@ -21,7 +21,7 @@ words! {
     /// An outcome of a plan.
     pub enum FingersOutcome {
         Effort = "effort": "the turn of every step times the fingers that roll, and the gaiting cost of each finger placed or removed",
-        Reconfigurations = "reconfigurations": "fingers placed or removed, without those of the first grasp and of `release`",
+        Reconfigurations = "reconfigurations": "fingers placed or removed, not counting the first grasp and `release`",
         Time = "time": "from the beginning of the task to the end of its last step",
     }
 }
@@ -30,8 +30,8 @@ words! {
     /// Search method.
     pub enum FingersPlanner {
         JointAstar = "joint_astar": "all turns of a task searched as one problem by A*, with exact numbers of reconfigurations as its estimate",
-        PublishedAstar = "published_astar": "the same problem with the paper's estimate, its index arithmetic put right",
-        GreedyDecomposition = "greedy_decomposition": "the paper's way: each turn alone at its least cost, from where the last one ended",
+        PublishedAstar = "published_astar": "the same problem with the paper's estimate, its index arithmetic corrected",
+        GreedyDecomposition = "greedy_decomposition": "the paper's method: each turn is planned separately at least cost, from where the previous one ended",
     }
 }
 
@@ -42,23 +42,23 @@ const FIELDS: &[VocabularyField] = &[
         "number of fingers; two or three of them hold at the same time",
     ),
     required("tip_radius", positive(Dimension::LENGTH), "radius of the spherical tip of each finger"),
-    required("adhesion", Sort::Flag, "whether tips stick to the object and must be pulled off"),
+    required("adhesion", Sort::Flag, "whether tips adhere to the object and must be pulled off"),
     required(
         "pull_off",
         not_negative(Dimension::FORCE),
         "force that pulls a tip off the object; used with `adhesion: true`",
     ),
-    required("max_force", positive(Dimension::FORCE), "the greatest force of one tip along the normal"),
-    required("friction", positive(Dimension::NUMBER), "the coefficient between a tip and the object"),
+    required("max_force", positive(Dimension::FORCE), "greatest normal force of one tip"),
+    required("friction", positive(Dimension::NUMBER), "coefficient of friction between a tip and the object"),
     required(
         "step",
         positive(Dimension::ANGLE),
-        "rotation step; it must divide 360 deg (within 0.01 %, so that rounded digits stand for the divisor)",
+        "rotation step; it must divide 360 deg (within 0.01 %, to allow for rounded digits)",
     ),
     required(
         "removal_safety",
         not_negative(Dimension::NUMBER),
-        "the fingers that stay must resist this many times the pull-off force of the one that leaves",
+        "the remaining fingers must resist this many times the pull-off force of the finger that is removed",
     ),
     required("gaiting_cost", positive(Dimension::ANGLE), "cost of placing or removing a finger, in degrees of rolling"),
     required(
@@ -72,7 +72,11 @@ const FIELDS: &[VocabularyField] = &[
         "distance by which a tip leaves its contact along the normal, at `approach_speed`",
     ),
     required("speed", positive(Dimension::SPEED), "speed of a free tip"),
-    required("approach_speed", positive(Dimension::SPEED), "speed of a tip that approaches or leaves its contact"),
+    required(
+        "approach_speed",
+        positive(Dimension::SPEED),
+        "speed of a tip near its contact, as it approaches or leaves",
+    ),
     required("rolling_speed", positive(Dimension::SPEED), "speed of the fastest tip while the object rolls"),
     required(
         "range",
@@ -94,14 +98,14 @@ const FIELDS: &[VocabularyField] = &[
         "torsion",
         not_negative(Dimension::LENGTH),
         DefaultFigure::new(0.0, "um"),
-        "the torque about its normal that a contact bears, over the force that presses and sticks there",
+        "torque about the normal that a contact bears, divided by the force that presses and adheres there",
     ),
     defaulted(
         "rolling_reserve",
         not_negative(Dimension::NUMBER),
         // Rolling on chords turns a force by up to 1/100 of the friction cone; this is twice that.
         DefaultFigure::new(2.0, "%"),
-        "the share of friction, pull-off and greatest force that planned grasps do without while they roll",
+        "share of friction, pull-off and greatest force that planned grasps leave unused while they roll",
     ),
 ];
 
@@ -123,7 +127,7 @@ const SETTINGS: &[VocabularyField] = &[
 words! {
     /// A rotation axis, fixed to the object.
     pub enum TurnAxis {
-        X = "x": "by turns about z and y, as the object has no section across x",
+        X = "x": "by turns about z and y, because the object has no section across x",
         Y = "y": "in the object's plane xz",
         Z = "z": "in the object's plane xy",
     }
@@ -143,12 +147,11 @@ impl TurnAxis {
 words! {
     /// A step of a hand.
     pub enum FingersVerb {
-        Grasp = "grasp": "takes an object, or changes fingers, until each one holds the contact of its number, and may roll it there and back; 0 is a free finger; \
-              without `at` the planner chooses",
-        Rotate = "rotate": "turns an object about one of its own axes, right-handed; by 220 deg is the long way",
-        Orient = "orient": "turns an object to an orientation in the hand's frame, whichever way is the cheapest",
-        Translate = "translate": "carries an object along x, y and z of the hand's frame, all fingers together",
-        Release = "release": "takes all fingers off; the support must hold the object against the last one",
+        Grasp = "grasp": "grasps an object, or changes fingers, until each finger holds the contact with its number, and may roll the object there and back; 0 is a free finger; without `at` the planner chooses",
+        Rotate = "rotate": "turns an object about one of its own axes, right-handed; `by 220 deg` is the long way",
+        Orient = "orient": "turns an object to an orientation in the hand's frame, the cheapest way",
+        Translate = "translate": "moves an object along x, y and z of the hand's frame, with all fingers together",
+        Release = "release": "removes all fingers; the support must hold the object against the last one",
     }
 }
 
@@ -193,7 +196,7 @@ const BUDGET: [VocabularyField; 2] = [
         "looks",
         MAX_LOOKS,
         DEFAULT_LOOKS,
-        "number of looks at grasps, some tens of nanoseconds each, before it gives up",
+        "number of grasp evaluations, some tens of nanoseconds each, before the search gives up",
     ),
 ];
 
@@ -219,7 +222,7 @@ words! {
 /// The vocabulary of the kind.
 pub const VOCABULARY: Vocabulary = Vocabulary {
     name: "fingers",
-    summary: "fingers on translation stages that roll an object between their tips and change their grasp",
+    summary: "fingers on translation stages that roll an object between their tips and regrasp it",
     library: ("std.fingers", "fingers.three_fingers"),
     fields: FIELDS,
     nouns: &[Noun::of(
@@ -235,7 +238,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     )],
     settings: SETTINGS,
     state: None,
-    together: Together::No("a hand turns one part, and no two at the same time"),
+    together: Together::No("a hand turns one part at a time"),
     assay: Assay::No,
     frames: Frames::No,
     verbs: VERBS,
@@ -243,5 +246,5 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     objectives: FingersObjective::CHOICES,
     planners: PLANNERS,
     outcomes: OUTCOMES,
-    channels: "<device>.f1.x, f1.y, f1.z and so on: where the centre of each finger's tip is, in micrometres",
+    channels: "<device>.f1.x, f1.y, f1.z and so on: position of the centre of each finger's tip, in micrometres",
 };

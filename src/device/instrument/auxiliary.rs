@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 words! {
     /// The sorts of auxiliary outputs, in the order of the handbook.
     pub enum AuxiliarySort {
-        Trigger = "trigger": "an output that gives a pulse of one length, by `pulse NAME`",
-        Digital = "digital": "an output of two levels, by `set NAME to high` and `set NAME to low`",
-        Level = "level": "an output of any voltage between two, by `set NAME to 60 %`",
+        Trigger = "trigger": "an output that gives a pulse of fixed length, with `pulse NAME`",
+        Digital = "digital": "an output with two levels, with `set NAME to high` and `set NAME to low`",
+        Level = "level": "an output of any voltage between two limits, with `set NAME to 60 %`",
     }
 }
 

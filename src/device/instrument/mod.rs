@@ -42,10 +42,10 @@ pub fn heater_setting(temperature: Quantity) -> Option<u32> {
 words! {
     /// The families of instruments, in the order of the handbook.
     pub enum Family {
-        WaveformGenerator = "waveform_generator": "an arbitrary-waveform generator of the Keysight 33500 and 33600 series, or one that takes their commands",
+        WaveformGenerator = "waveform_generator": "an arbitrary-waveform generator of the Keysight 33500 and 33600 series, or one that accepts their commands",
         DataAcquisition = "data_acquisition": "a card with digital lines and analog outputs on a sample clock, played by NI-DAQmx",
-        ElectrodeDriver = "electrode_driver": "the driver of a board of electrodes, which takes frame after frame of those that are on: OpenDrop, PurpleDrop, DropBot",
-        StageController = "stage_controller": "a controller that moves stages along a table of places: of PI by its commands GCS, of SmarAct by the streams of an MCS2",
+        ElectrodeDriver = "electrode_driver": "the driver of a board of electrodes, which plays frames of those that are on: OpenDrop, PurpleDrop, DropBot",
+        StageController = "stage_controller": "a controller that moves stages along a table of positions: from PI with GCS commands, from SmarAct with the streams of an MCS2",
         MachineController = "machine_controller": "a controller whose stages are the axes of a machine that runs G-code: LinuxCNC",
     }
 }
@@ -77,13 +77,13 @@ impl Family {
     /// The names of its outputs, and their signals.
     pub fn outputs(self) -> &'static str {
         match self {
-            Family::WaveformGenerator => "`ch1`, `ch2`, …: a voltage each",
-            Family::DataAcquisition => "`port0.line0`, …: a digital line each; `ao0`, …: a voltage each",
+            Family::WaveformGenerator => "`ch1`, `ch2`, …: one voltage each",
+            Family::DataAcquisition => "`port0.line0`, …: one digital line each; `ao0`, …: one voltage each",
             Family::ElectrodeDriver => {
-                "`c0`, `c1`, …: an electrode each; `electrodes -> NAME` wires all that the `channels` of a board number. An OpenDrop has `magnet1` and `magnet2`, and `heater1` to `heater3` where a temperature is given, for outputs of the bench"
+                "`c0`, `c1`, …: one electrode each; `electrodes -> NAME` wires all those that have a number in the `channels` of a board. An OpenDrop has `magnet1` and `magnet2`, and `heater1` to `heater3` where a temperature is given, for outputs of the bench"
             }
-            Family::StageController => "`axis1`, `axis2`, …: a stage each",
-            Family::MachineController => "`X`, `Y`, `Z`, `U`, `V`, `W`, `A`, `B`, `C`: a stage each",
+            Family::StageController => "`axis1`, `axis2`, …: one stage each",
+            Family::MachineController => "`X`, `Y`, `Z`, `U`, `V`, `W`, `A`, `B`, `C`: one stage each",
         }
     }
 
@@ -302,8 +302,8 @@ impl OutputSort {
 }
 
 /// Sorts of links, as the help describes them.
-const AMPLIFIED: (LinkSort, &str) = (LinkSort::Amplifier, "a channel of voltages, behind an amplifier");
-const PLACED: (LinkSort, &str) = (LinkSort::StageDriver, "the position of a stage, behind its driver");
+const AMPLIFIED: (LinkSort, &str) = (LinkSort::Amplifier, "a channel of voltages, through an amplifier");
+const PLACED: (LinkSort, &str) = (LinkSort::StageDriver, "the position of a stage, through its driver");
 const SWITCHED: (LinkSort, &str) = (LinkSort::Switch, "a digital line, which closes a switch");
 const MOVED: (LinkSort, &str) = (LinkSort::Axis, "the position of a stage, which the controller moves");
 

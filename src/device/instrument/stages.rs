@@ -8,7 +8,7 @@ words! {
     /// Protocol of a stage controller.
     pub enum StageProtocol {
         Gcs = "gcs": "PI: its General Command Set over TCP/IP or a serial line, a wave table for each axis",
-        Mcs2 = "mcs2": "SmarAct: an MCS2 by the maker's package, a stream of places",
+        Mcs2 = "mcs2": "SmarAct: an MCS2 with the maker's package, a stream of positions",
     }
 }
 

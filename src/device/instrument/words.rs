@@ -16,14 +16,14 @@ const MAX_LINES: u32 = 32;
 const PEAK: VocabularyField = required(
     "peak",
     positive(Dimension::VOLTAGE),
-    "greatest voltage of an output to either side of zero, into an open circuit",
+    "greatest voltage of an output on either side of zero, into an open circuit",
 );
 
 const START: VocabularyField = optional(
     "start",
     Sort::Word(Start::CHOICES),
     "sender",
-    "what starts it; of several instruments the sender starts one",
+    "what starts it; the sender starts one of several instruments",
 );
 
 const fn count(name: &'static str, least: u32, most: u32, doc: &'static str) -> VocabularyField {
@@ -34,10 +34,10 @@ pub const WAVEFORM_GENERATOR: &[VocabularyField] = &[
     count("outputs", 1, MAX_OUTPUTS, "outputs that play at the same time, `ch1`, `ch2`, …"),
     PEAK,
     count("bits", 2, MAX_BITS, "bits of a sample"),
-    required("rate", positive(Dimension::FREQUENCY), "most samples in a second without a filter"),
-    count("least_points", 1, MAX_POINTS, "fewest points of a waveform"),
-    count("most_points", 1, MAX_POINTS, "most points in the memory of an output"),
-    count("most_steps", 3, MAX_POINTS, "most steps of a sequence"),
+    required("rate", positive(Dimension::FREQUENCY), "greatest number of samples per second without a filter"),
+    count("least_points", 1, MAX_POINTS, "least number of points of a waveform"),
+    count("most_points", 1, MAX_POINTS, "greatest number of points in the memory of an output"),
+    count("most_steps", 3, MAX_POINTS, "greatest number of steps of a sequence"),
     START,
 ];
 
@@ -48,7 +48,7 @@ pub const DATA_ACQUISITION: &[VocabularyField] = &[
         "digital_rate",
         positive(Dimension::FREQUENCY),
         "without a sample clock",
-        "most samples in a second of the digital lines",
+        "greatest number of samples per second of the digital lines",
     ),
     defaulted(
         "analog_outputs",
@@ -56,18 +56,18 @@ pub const DATA_ACQUISITION: &[VocabularyField] = &[
         DefaultFigure::count(0),
         "voltage outputs, `ao0`, `ao1`, …",
     ),
-    optional("peak", positive(Dimension::VOLTAGE), "needed with analog outputs", PEAK.doc),
+    optional("peak", positive(Dimension::VOLTAGE), "required with analog outputs", PEAK.doc),
     VocabularyField {
         name: "bits",
         sort: Sort::Count { least: 2, most: MAX_BITS },
-        need: Need::Optional("needed with analog outputs"),
+        need: Need::Optional("required with analog outputs"),
         doc: "bits of an analog sample",
     },
     optional(
         "rate",
         positive(Dimension::FREQUENCY),
-        "needed with analog outputs",
-        "most samples in a second of the analog outputs",
+        "required with analog outputs",
+        "greatest number of samples per second of the analog outputs",
     ),
     START,
 ];
@@ -81,20 +81,20 @@ const fn heater(name: &'static str) -> VocabularyField {
 }
 
 pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
-    required("protocol", Sort::Word(Protocol::CHOICES), "how it is spoken to"),
+    required("protocol", Sort::Word(Protocol::CHOICES), "protocol of the instrument"),
     count(
         "channels",
         1,
         MAX_OUTPUTS,
-        "channels, `c0`, `c1`, …, as many as the protocol has at the most: each drives an electrode",
+        "channels, `c0`, `c1`, …, at most as many as the protocol allows; each drives an electrode",
     ),
     defaulted(
         "least_potential",
         positive(Dimension::VOLTAGE),
         DefaultFigure::new(0.0, "V"),
-        "the least voltage that it can be set to",
+        "least voltage to which it can be set",
     ),
-    required("most_potential", positive(Dimension::VOLTAGE), "the greatest voltage that it can be set to"),
+    required("most_potential", positive(Dimension::VOLTAGE), "greatest voltage to which it can be set"),
     required("least_frame", positive(Dimension::TIME), "shortest time from one frame to the next"),
     optional(
         "frequency",
@@ -109,14 +109,14 @@ pub const ELECTRODE_DRIVER: &[VocabularyField] = &[
 ];
 
 pub const STAGE_CONTROLLER: &[VocabularyField] = &[
-    required("protocol", Sort::Word(StageProtocol::CHOICES), "how it is spoken to"),
+    required("protocol", Sort::Word(StageProtocol::CHOICES), "protocol of the instrument"),
     count("axes", 1, MAX_OUTPUTS, "stages that it moves at the same time, `axis1`, `axis2`, …"),
-    required("rate", positive(Dimension::FREQUENCY), "places in a second, between which it moves on straight lines"),
+    required("rate", positive(Dimension::FREQUENCY), "positions per second, between which it moves on straight lines"),
     VocabularyField {
         name: "most_points",
         sort: Sort::Count { least: 2, most: MAX_POINTS },
-        need: Need::Optional("no table: places are sent while they are played"),
-        doc: "most points in the table of an axis",
+        need: Need::Optional("no table: positions are sent while they are played"),
+        doc: "greatest number of points in the table of an axis",
     },
     START,
 ];
@@ -126,7 +126,7 @@ pub const MACHINE_CONTROLLER: &[VocabularyField] = &[
     required(
         "rate",
         positive(Dimension::FREQUENCY),
-        "servo cycles in a second, between which axes move on straight lines",
+        "servo cycles per second, between which axes move on straight lines",
     ),
 ];
 
@@ -139,14 +139,14 @@ const HIGH: VocabularyField = defaulted(
 );
 
 const RESTS: VocabularyField =
-    optional("rest", Sort::Word(Level::CHOICES), "low", "level before a schedule, after it and when it is broken off");
+    optional("rest", Sort::Word(Level::CHOICES), "low", "level before and after a schedule, and when it is aborted");
 
 const fn voltage(range: Range) -> Sort {
     Sort::Quantity { dimension: Dimension::VOLTAGE, range }
 }
 
 pub const TRIGGER: &[VocabularyField] =
-    &[required("duration", positive(Dimension::TIME), "length of a pulse, which begins with its step"), HIGH, RESTS];
+    &[required("duration", positive(Dimension::TIME), "length of a pulse, which begins at its step"), HIGH, RESTS];
 pub const DIGITAL: &[VocabularyField] = &[HIGH, RESTS];
 pub const LEVEL: &[VocabularyField] = &[
     defaulted("from", voltage(Range::Any), DefaultFigure::new(0.0, "V"), "voltage at 0 %"),
@@ -163,31 +163,31 @@ const GAIN: VocabularyField = defaulted(
     "gain",
     Sort::Quantity { dimension: Dimension::NUMBER, range: Range::NotZero },
     DefaultFigure::new(1.0, ""),
-    "gain of the amplifier: voltage of the channel over that of the output",
+    "gain of the amplifier: voltage of the channel divided by that of the output",
 );
 const LIMIT: VocabularyField = optional(
     "limit",
     positive(Dimension::VOLTAGE),
-    "not held",
-    "greatest voltage that the amplifier gives, to either side",
+    "not checked",
+    "greatest voltage of the amplifier, on either side of zero",
 );
 const SLEW: VocabularyField =
-    optional("slew", positive(Dimension::SLEW_RATE), "not held", "fastest change of the amplifier's voltage");
+    optional("slew", positive(Dimension::SLEW_RATE), "not checked", "fastest change of the amplifier's voltage");
 const SCALE: VocabularyField = required(
     "scale",
     Sort::Quantity { dimension: Dimension::SENSITIVITY, range: Range::NotZero },
-    "voltage that the stage's driver takes for a length",
+    "voltage of the stage's driver per length",
 );
 const ZERO: VocabularyField = defaulted(
     "zero",
     Sort::Quantity { dimension: Dimension::VOLTAGE, range: Range::Any },
     DefaultFigure::new(0.0, "V"),
-    "voltage that the stage's driver takes for position 0",
+    "voltage of the stage's driver at position 0",
 );
 const SWITCHES: VocabularyField = required(
     "switches",
     Sort::Quantity { dimension: Dimension::VOLTAGE, range: Range::NotZero },
-    "voltage that the driver behind the line switches to the channel",
+    "voltage that the driver on the line switches to the channel",
 );
 
 const ORIGIN: VocabularyField =
@@ -196,14 +196,14 @@ const TRAVEL_FROM: VocabularyField =
     defaulted("travel_from", length(Range::Any), DefaultFigure::new(0.0, "um"), "where the stage's own travel begins");
 const TRAVEL_TO: VocabularyField = required("travel_to", length(Range::Any), "where the stage's own travel ends");
 const DIRECTION: VocabularyField =
-    optional("direction", Sort::Word(Direction::CHOICES), "forward", "which way the stage counts");
+    optional("direction", Sort::Word(Direction::CHOICES), "forward", "direction in which the stage counts");
 const SPEED: VocabularyField =
-    optional("speed", positive(Dimension::SPEED), "not held", "greatest speed that the stage can follow");
+    optional("speed", positive(Dimension::SPEED), "not checked", "greatest speed that the stage can follow");
 const ACCELERATION: VocabularyField = optional(
     "acceleration",
     positive(Dimension::ACCELERATION),
-    "not held",
-    "greatest acceleration of the stage, which rounds the corners of its way",
+    "not checked",
+    "greatest acceleration of the stage, which rounds the corners of its path",
 );
 
 const fn length(range: Range) -> Sort {

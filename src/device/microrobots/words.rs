@@ -50,20 +50,20 @@ words! {
 words! {
     /// Search method.
     pub enum MicrorobotsPlanner {
-        OneWayDubins = "one_way_dubins": "shortest ways of turns to one side and straight lines, searched over the middles of the turns; for assemblies the paper's two stages, with the order and the phase of the orbits searched",
+        OneWayDubins = "one_way_dubins": "shortest paths of turns to one side and straight lines, searched over the centres of the turns; for assemblies the paper's two stages, with a search over the order and the phase of the orbits",
     }
 }
 
 words! {
     /// Turning direction of a robot.
     pub enum Turning {
-        Clockwise = "clockwise": "its heading falls while its arm is down",
-        Counterclockwise = "counterclockwise": "its heading rises while its arm is down",
+        Clockwise = "clockwise": "its heading decreases while its arm is down",
+        Counterclockwise = "counterclockwise": "its heading increases while its arm is down",
     }
 }
 
 const ROBOTS: [VocabularyField; 8] = [
-    required("robot", Sort::Name, "its name, as scenes and tasks say it"),
+    required("robot", Sort::Name, "its name in scenes and tasks"),
     required("snap_down", positive(Dimension::VOLTAGE), "voltage at or above which the arm goes down"),
     required("release", positive(Dimension::VOLTAGE), "voltage at or below which the arm goes up"),
     required("turning_radius", positive(Dimension::LENGTH), "radius of its circle while the arm is down"),
@@ -75,24 +75,24 @@ const ROBOTS: [VocabularyField; 8] = [
 
 const FIELDS: &[VocabularyField] = &[
     required("robots", Sort::Table(&ROBOTS), "one row for each robot"),
-    required("margin", positive(Dimension::VOLTAGE), "each transition voltage is known to plus or minus this"),
-    required("max_voltage", positive(Dimension::VOLTAGE), "the most that the source gives"),
+    required("margin", positive(Dimension::VOLTAGE), "uncertainty (plus or minus) of each transition voltage"),
+    required("max_voltage", positive(Dimension::VOLTAGE), "greatest voltage of the source"),
     required("relax", positive(Dimension::VOLTAGE), "the level between the strokes of the drive train"),
     required("flex", positive(Dimension::VOLTAGE), "the level of the strokes of the drive train"),
     required("drive_frequency", positive(Dimension::FREQUENCY), "strokes of the drive train"),
-    required("step_size", positive(Dimension::LENGTH), "distance that one stroke carries a robot"),
+    required("step_size", positive(Dimension::LENGTH), "distance that a robot moves in one stroke"),
     required("dwell", positive(Dimension::TIME), "duration of each level of a control cycle"),
     defaulted(
         "levels",
         Sort::Count { least: 1, most: MAX_LEVELS },
         DefaultFigure::count(8),
-        "the most levels of one control cycle",
+        "greatest number of levels in a control cycle",
     ),
     optional(
         "non_string",
         Sort::Flag,
         "false",
-        "whether a table may be used whose gaps are nested, if it still lets every task be planned",
+        "whether a table with nested gaps may be used, if every task can still be planned",
     ),
     required("length", positive(Dimension::LENGTH), "length of a robot's body, along its heading"),
     required("width", positive(Dimension::LENGTH), "width of a robot's body, across its heading"),
@@ -109,17 +109,17 @@ const FIELDS: &[VocabularyField] = &[
     required(
         "self_aligning_angle",
         positive(Dimension::ANGLE),
-        "up to this angle between their axes two robots that meet head on align themselves",
+        "greatest angle between the axes of two robots that meet head on and still align themselves",
     ),
     required(
         "self_aligning_offset",
         positive(Dimension::LENGTH),
-        "up to this distance of their axes two robots that meet head on align themselves",
+        "greatest distance between the axes of two robots that meet head on and still align themselves",
     ),
     required(
         "sticking_angle",
         positive(Dimension::ANGLE),
-        "up to this angle from the normal of an edge a robot that meets a structure sticks to it",
+        "greatest angle from the normal of an edge at which a robot that meets a structure sticks to it",
     ),
     required("docking_tolerance", positive(Dimension::LENGTH), "greatest gap or overlap between docked bodies"),
     required("fine_length", positive(Dimension::LENGTH), "path length of the fine motion before a goal"),
@@ -128,13 +128,13 @@ const FIELDS: &[VocabularyField] = &[
         "speed_error",
         not_negative(Dimension::NUMBER),
         "unknown",
-        "bound on the error of a speed, as a share of it",
+        "bound on the error of a speed, as a share of the speed",
     ),
     optional(
         "turning_error",
         not_negative(Dimension::TURNING),
         "unknown",
-        "bound on the error of a heading, for the way that is driven",
+        "bound on the error of a heading, per distance driven",
     ),
     optional("place_error", not_negative(Dimension::LENGTH), "unknown", "bound on the error of a measured place"),
     optional("heading_error", not_negative(Dimension::ANGLE), "unknown", "bound on the error of a measured heading"),
@@ -143,7 +143,7 @@ const FIELDS: &[VocabularyField] = &[
         "watchdog",
         positive(Dimension::TIME),
         "five times `replan_interval`",
-        "without a measurement for this long after the end of a command, `tweeze control` stops",
+        "`tweeze control` stops if no measurement arrives for this long after the end of a command",
     ),
 ];
 
@@ -158,7 +158,7 @@ const SETTINGS: &[VocabularyField] = &[
         "heading_precision",
         positive(Dimension::ANGLE),
         DefaultFigure::new(0.5, "deg"),
-        "by how much its heading may then be off",
+        "greatest deviation of its heading from that of the goal",
     ),
     optional("guaranteed", Sort::Flag, "false", "whether a goal that cannot be guaranteed is an error"),
 ];
@@ -168,8 +168,8 @@ const TO_POSE: VocabularyPhrase = VocabularyPhrase { preposition: "to", sort: So
 words! {
     /// A step of a bed of robots.
     pub enum MicrorobotsVerb {
-        Apply = "apply": "sets the arms of a control state, then drives for so long",
-        Drive = "drive": "brings one robot to a pose, by way of others in the order of writing; the other robots move along",
+        Apply = "apply": "sets the arms of a control state, then drives for this time",
+        Drive = "drive": "brings one robot to a pose, via others in the order written; the other robots move along",
         Assemble = "assemble": "brings robots together: the two that snap last at the same time, then the others one by one",
     }
 }
@@ -210,7 +210,7 @@ words! {
     /// A noun of a bed's scene.
     pub enum BedNoun {
         Robot = "robot": "a robot of the device's table, at its start",
-        Obstacle = "obstacle": "something that no robot may come near",
+        Obstacle = "obstacle": "an obstacle that no robot may come near",
     }
 }
 
@@ -229,7 +229,7 @@ pub const VOCABULARY: Vocabulary = Vocabulary {
     ],
     settings: SETTINGS,
     state: None,
-    together: Together::No("one voltage drives all robots: goals at the same time are an assembly"),
+    together: Together::No("one voltage drives all robots; goals at the same time are an assembly"),
     assay: Assay::No,
     frames: Frames::No,
     verbs: VERBS,

@@ -115,8 +115,9 @@ fn chips<'a>(
         });
         let board = board.filter(|(_, _, cell, pad)| cell.is_some() || pad.is_some());
         let (Some((device, facts, cell, _)), Some(number)) = (board, number_after("c", &drive.output)) else {
-            let what = format!("`{channel}`, which is no electrode of a board");
-            let help = "wire it to another instrument, or write `--emit frames`, which has every channel of a driver";
+            let what = format!("`{channel}`, which is not an electrode of a board");
+            let help =
+                "wire it to another instrument, or write `--emit frames`, which supports every channel of a driver";
             return Err(EmitError::Unsayable { format: Format::Microdrop, what, help: help.to_owned() });
         };
         let new = || WiredChip { facts, numbers: BTreeMap::new(), pads: BTreeSet::new() };

@@ -204,7 +204,7 @@ impl<'a> FramedBoard<'a> {
     pub(super) fn refuse_rest(&self, format: Format) -> Result<(), EmitError> {
         let Some(number) = self.resting.on.first() else { return Ok(()) };
         let output = format!("{}.c{number}", self.wired.name);
-        let what = format!("`{output}`, which rests on: its file says nothing of what is on after the last frame");
+        let what = format!("`{output}`, which rests on: its file does not state what is on after the last frame");
         let help = "write `--emit frames`, whose sender leaves it on".to_owned();
         Err(EmitError::Unsayable { format, what, help })
     }
@@ -214,7 +214,7 @@ impl<'a> FramedBoard<'a> {
         let wired = self.wired.drives.iter().map(|drive| (drive, Switched::of(&drive.output, self.facts)));
         let mut accessories = wired.filter(|(_, switched)| matches!(switched, Switched::Accessory(_)));
         let Some((drive, _)) = accessories.next() else { return Ok(()) };
-        let what = format!("`{}.{}`: its file has electrodes alone", self.wired.name, drive.output);
+        let what = format!("`{}.{}`: its file contains only electrodes", self.wired.name, drive.output);
         let help = "write `--emit frames`, whose sender sets magnets and heaters too".to_owned();
         Err(EmitError::Unsayable { format: Format::Opendrop, what, help })
     }
@@ -233,8 +233,9 @@ impl<'a> FramedBoard<'a> {
         let Some((first, voltage_v)) = volts.peek().copied() else { return Ok(0.0) };
         let Some((other, other_v)) = volts.find(|(_, on_v)| *on_v != voltage_v) else { return Ok(voltage_v) };
         let name = self.wired.name;
-        let what =
-            format!("{voltage_v} V at `{name}.{first}` beside {other_v} V at `{name}.{other}`: it has one for all");
+        let what = format!(
+            "{voltage_v} V at `{name}.{first}` beside {other_v} V at `{name}.{other}`: it has one voltage for all"
+        );
         let help = "give all boards of the driver the same `potential`".to_owned();
         Err(EmitError::Unsayable { format, what, help })
     }

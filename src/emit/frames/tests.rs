@@ -355,7 +355,7 @@ fn what_microdrop_has_no_form_for_is_refused() {
     assert_eq!(refused(fixture::fetch()).0, Code::E0824, "no driver");
     assert_eq!(refused(board_on_driver(Protocol::Purpledrop)).0, Code::E0824, "it does not drive it");
     let lamp = refused(on_driver(fixture::fetch(), Protocol::Dropbot));
-    assert!(lamp.0 == Code::E0831 && lamp.1.contains("no electrode of a board"), "{lamp:?}");
+    assert!(lamp.0 == Code::E0831 && lamp.1.contains("not an electrode of a board"), "{lamp:?}");
     let volts = |on_v: f64| {
         changed(&|schedule| {
             for drive in schedule.bench.drives.values_mut() {
@@ -368,7 +368,7 @@ fn what_microdrop_has_no_form_for_is_refused() {
         let drive = schedule.bench.drives.get_mut("plate.e2_5").expect("its wire");
         drive.link = Link::Switch { on_v: 90.0 };
     });
-    assert!(two.0 == Code::E0831 && two.1.contains("one for all"), "{two:?}");
+    assert!(two.0 == Code::E0831 && two.1.contains("one voltage for all"), "{two:?}");
     assert!(changed(&|schedule| schedule.channels[0].rest_v = 100.0).1.contains("rests on"));
     let bounded = changed(&|schedule| schedule.holds = vec![hold(0, "now", true)]);
     assert!(bounded.0 == Code::E0831 && bounded.1.contains("longest time"), "{bounded:?}");

@@ -67,7 +67,7 @@ impl Write for Comparison<'_> {
 
 /// The diagnostic for the terminal.
 pub fn difference_diagnostic(difference: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0847, format!("the log shows something else than its schedule: {difference}"))
+    Diagnostic::new(Code::E0847, format!("the log does not show its schedule: {difference}"))
         .help("the log was changed after it was written: build the program again")
 }
 
@@ -90,7 +90,7 @@ impl MessageComparison {
             return;
         }
         let Some(index) = self.topics.iter().position(|expected| expected.name == topic) else {
-            self.found = Some(format!("`{topic}` at {t_ns} ns is no topic of this schedule"));
+            self.found = Some(format!("`{topic}` at {t_ns} ns is not a topic of this schedule"));
             return;
         };
         let expected = self.topics[index].messages.get(self.seen[index]);
@@ -99,9 +99,9 @@ impl MessageComparison {
             Some((expected_ns, bytes)) if *expected_ns == t_ns && bytes == data => None,
             Some((expected_ns, _)) if *expected_ns < t_ns => Some(missing(topic, *expected_ns)),
             Some((expected_ns, _)) if *expected_ns == t_ns => {
-                Some(format!("`{topic}` at {t_ns} ns is another message"))
+                Some(format!("the message of `{topic}` at {t_ns} ns differs"))
             }
-            Some(_) | None => Some(format!("`{topic}` has a message too many at {t_ns} ns")),
+            Some(_) | None => Some(format!("`{topic}` has an extra message at {t_ns} ns")),
         };
     }
 
@@ -115,17 +115,17 @@ impl MessageComparison {
 }
 
 fn missing(topic: &str, t_ns: u64) -> String {
-    format!("`{topic}` lacks its message at {t_ns} ns")
+    format!("the message of `{topic}` at {t_ns} ns is missing")
 }
 
 /// Differences outside the messages.
 fn part(log: &log::Log, verified: &Verified, provenance: &Provenance) -> String {
     let claims = log::write_claims(verified.claims()).ok();
     let parts = [
-        (log.schedule != *verified.schedule(), "the attached schedule is another"),
-        (Some(&log.claims) != claims.as_ref(), "the attached claims are others"),
-        (log.files != provenance.files, "the attached source files are others"),
-        (log.settings != provenance.settings, "the recorded settings are others"),
+        (log.schedule != *verified.schedule(), "the attached schedule differs"),
+        (Some(&log.claims) != claims.as_ref(), "the attached claims differ"),
+        (log.files != provenance.files, "the attached source files differ"),
+        (log.settings != provenance.settings, "the recorded settings differ"),
     ];
     let differing = parts.iter().find(|(differs, _)| *differs);
     differing.map_or_else(

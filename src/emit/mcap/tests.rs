@@ -70,14 +70,14 @@ fn packing_alone_is_named_as_such() {
 #[test]
 fn any_edited_message_is_found() {
     let cases = [
-        ("/bot/scene", 0, "`/bot/scene` at 0 ns is another message"),
-        ("/Aid/plan", 7_500_000, "`/Aid/plan` at 7500000 ns is another message"),
-        ("/bot/scene/points", 0, "`/bot/scene/points` at 0 ns is another message"),
-        ("/log", 7_500_000, "`/log` at 7500000 ns is another message"),
-        ("/tf", 25_000_000, "`/tf` at 25000000 ns is another message"),
-        ("/bot/voltages", 14_999_999, "`/bot/voltages` at 14999999 ns is another message"),
-        ("/bot/path", 0, "`/bot/path` at 0 ns is another message"),
-        ("/Aid/pose", 22_500_000, "`/Aid/pose` at 22500000 ns is another message"),
+        ("/bot/scene", 0, "the message of `/bot/scene` at 0 ns differs"),
+        ("/Aid/plan", 7_500_000, "the message of `/Aid/plan` at 7500000 ns differs"),
+        ("/bot/scene/points", 0, "the message of `/bot/scene/points` at 0 ns differs"),
+        ("/log", 7_500_000, "the message of `/log` at 7500000 ns differs"),
+        ("/tf", 25_000_000, "the message of `/tf` at 25000000 ns differs"),
+        ("/bot/voltages", 14_999_999, "the message of `/bot/voltages` at 14999999 ns differs"),
+        ("/bot/path", 0, "the message of `/bot/path` at 0 ns differs"),
+        ("/Aid/pose", 22_500_000, "the message of `/Aid/pose` at 22500000 ns differs"),
     ];
     for (topic, t_ns, expected) in cases {
         let mut flip = |of: &str, at: u64, mut data: Vec<u8>| {
@@ -96,11 +96,14 @@ fn a_missing_and_an_extra_message_are_found() {
     let drop = |topic: &'static str, at: u64| {
         move |of: &str, t_ns: u64, data: Vec<u8>| if (of, t_ns) == (topic, at) { vec![] } else { vec![data] }
     };
-    assert_eq!(found(&mut drop("/log", 0), |_| ()), "`/log` lacks its message at 0 ns");
-    assert_eq!(found(&mut drop("/Aid/pose", 110_000_000), |_| ()), "`/Aid/pose` lacks its message at 110000000 ns");
+    assert_eq!(found(&mut drop("/log", 0), |_| ()), "the message of `/log` at 0 ns is missing");
+    assert_eq!(
+        found(&mut drop("/Aid/pose", 110_000_000), |_| ()),
+        "the message of `/Aid/pose` at 110000000 ns is missing"
+    );
     let mut twice =
         |of: &str, _: u64, data: Vec<u8>| if of == "/bot/scene" { vec![data.clone(), data] } else { vec![data] };
-    assert!(found(&mut twice, |_| ()).starts_with("`/bot/scene` has a message too many at 0 ns"));
+    assert!(found(&mut twice, |_| ()).starts_with("`/bot/scene` has an extra message at 0 ns"));
 }
 
 #[test]
@@ -115,12 +118,9 @@ fn edited_attachments_are_found() {
         }
     };
     let same: Edit = &mut |_, _, data| vec![data];
-    assert_eq!(found(same, replace("source/Pair.twz", "task", "tusk")), "the attached source files are others");
-    assert_eq!(
-        found(same, replace("claims.json", "\"gain\":0.138", "\"gain\":0.139")),
-        "the attached claims are others"
-    );
-    assert_eq!(found(same, replace("schedule.json", "\"line\": 3", "\"line\": 4")), "the attached schedule is another");
+    assert_eq!(found(same, replace("source/Pair.twz", "task", "tusk")), "the attached source files differ");
+    assert_eq!(found(same, replace("claims.json", "\"gain\":0.138", "\"gain\":0.139")), "the attached claims differ");
+    assert_eq!(found(same, replace("schedule.json", "\"line\": 3", "\"line\": 4")), "the attached schedule differs");
     let broken = found(same, replace("schedule.json", "tweeze-schedule", "breeze-schedule"));
     assert!(broken.contains("format `breeze-schedule` version 2"), "{broken}");
 }

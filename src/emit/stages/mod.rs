@@ -194,7 +194,7 @@ fn refuse_several(wired: &WiredInstrument, facts: &StageControllerFacts) -> Resu
         StageProtocol::Mcs2 if !is_alone => Err(EmitError::Unsayable {
             format: Format::Stages,
             what: format!(
-                "`{}` with other instruments: its streams begin when enough of them has been sent",
+                "`{}` with other instruments: its streams start once enough of them has been sent",
                 wired.name
             ),
             help: "wire all channels of the program to it, without `start: trigger`".to_owned(),

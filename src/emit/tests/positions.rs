@@ -179,7 +179,7 @@ fn gcode_has_a_file_for_every_three_fingers_and_none_for_voltages() {
     assert_eq!(names, ["turn.hand.f1-f3.ngc", "turn.hand.f4-f5.ngc"]);
     assert_eq!(code(Format::Gcode, &fixture::fetch().verified), Code::E0827);
     let error = emit(Format::Gcode, &fixture::fetch().verified, &Provenance::default()).unwrap_err().diagnostic();
-    assert_eq!(error.title, "`bot.bl0.set` takes voltages, but `gcode` only holds stage positions");
+    assert_eq!(error.title, "`bot.bl0.set` takes voltages, but `gcode` stores only stage positions");
     let none = fixture::changed(&hand, |schedule| (schedule.channels, schedule.actuations) = Default::default());
     assert_eq!(code(Format::Gcode, &none), Code::E0827);
 }

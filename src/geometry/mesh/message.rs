@@ -7,16 +7,16 @@ impl fmt::Display for MeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let place = |[x, y, z]: &[f64; 3]| format!("({x:.6}, {y:.6}, {z:.6})");
         match self {
-            MeshError::TooLong { bytes } => write!(f, "has {bytes} bytes, at most {MAX_BYTES} are read"),
+            MeshError::TooLong { bytes } => write!(f, "has {bytes} bytes; at most {MAX_BYTES} are read"),
             MeshError::TooManyTriangles(count) => {
-                write!(f, "has {count} triangles, at most {MAX_TRIANGLES} are taken")
+                write!(f, "has {count} triangles; at most {MAX_TRIANGLES} are accepted")
             }
-            MeshError::Format(why) => write!(f, "is no STL file: {why}"),
+            MeshError::Format(why) => write!(f, "is not an STL file: {why}"),
             MeshError::Empty => f.write_str("has no triangles"),
             MeshError::Number { triangle } => {
-                write!(f, "has a coordinate in triangle {} that is no number up to {MAX_UM} um", triangle + 1)
+                write!(f, "has a coordinate in triangle {} that is not a number of at most {MAX_UM} um", triangle + 1)
             }
-            MeshError::ZeroArea { triangle } => write!(f, "has a triangle without area, number {}", triangle + 1),
+            MeshError::ZeroArea { triangle } => write!(f, "has a triangle of zero area, number {}", triangle + 1),
             MeshError::Open { edges, at_um } => {
                 write!(
                     f,
@@ -27,7 +27,7 @@ impl fmt::Display for MeshError {
             MeshError::Tangled { edges, at_um } => {
                 write!(
                     f,
-                    "is no simple surface: {edges} edges do not have two triangles that face one way, one of them at {}",
+                    "is not a simple surface: {edges} edges do not have two triangles of consistent orientation, one of them at {}",
                     place(at_um)
                 )
             }

@@ -53,7 +53,7 @@ fn plain_text(bytes: &[u8]) -> Result<String, MeshError> {
     let (_, facets) = text.split_once('\n').ok_or_else(|| wrong("it has a single line"))?;
     let ends = facets.lines().filter(|line| line.trim_start().starts_with("endsolid")).count();
     if ends > 1 {
-        return Err(wrong("it has several solids"));
+        return Err(wrong("it contains several solids"));
     }
     if !facets.lines().next_back().is_some_and(|line| line.trim_start().starts_with("endsolid")) {
         return Err(wrong("it does not end with `endsolid`"));

@@ -129,7 +129,9 @@ impl<'t> Suggestions<'t> {
                 stdlib::names()
                     .for_each(|name| self.add(name, &format!("use std.{name}"), "", CompletionItemKind::MODULE));
             }
-            ["use"] => self.word("std", "use std.dimibot", "the library of Tweeze", CompletionItemKind::MODULE),
+            ["use"] => {
+                self.word("std", "use std.dimibot", "the standard library of Tweeze", CompletionItemKind::MODULE)
+            }
             ["use", _] => self.keywords(&["as"]),
             ["let", _, "="] => {
                 self.shapes(ShapeForm::ALL);
@@ -215,7 +217,7 @@ impl<'t> Suggestions<'t> {
             self.shapes(&[*form]);
         }
         if let Some(Sort::Curve) = sort {
-            self.word(ANGLE_NAME, "the angle that goes once round", "", CompletionItemKind::VARIABLE);
+            self.word(ANGLE_NAME, "the angle, which makes one full turn", "", CompletionItemKind::VARIABLE);
         }
         if let Some(Sort::Object(noun) | Sort::Site(noun) | Sort::Sites(noun)) = sort {
             self.objects(noun);
@@ -226,7 +228,7 @@ impl<'t> Suggestions<'t> {
             self.word(function.name, &form, function.doc, CompletionItemKind::FUNCTION);
         }
         for name in self.bound_names() {
-            self.word(name, "name of this block", "", CompletionItemKind::VARIABLE);
+            self.word(name, "name declared in this block", "", CompletionItemKind::VARIABLE);
         }
     }
 
@@ -261,7 +263,7 @@ impl<'t> Suggestions<'t> {
                     self.word(
                         frames::NOUN,
                         "frame DEVICE at PLACE",
-                        "where a device stands in the scene",
+                        "where a device is in the scene",
                         CompletionItemKind::CLASS,
                     );
                 }
@@ -288,7 +290,7 @@ impl<'t> Suggestions<'t> {
     fn program(&mut self) {
         match self.entry() {
             [] => {
-                self.word("run", "run TASK", "carries out a task or a program", CompletionItemKind::KEYWORD);
+                self.word("run", "run TASK", "runs a task or a program", CompletionItemKind::KEYWORD);
                 let own = ["wait", "prompt", "pulse", "set", "for", "together"];
                 for (word, form) in COMMON_STEPS.iter().filter(|step| own.contains(&step.0)) {
                     self.word(word, form, "", CompletionItemKind::KEYWORD);

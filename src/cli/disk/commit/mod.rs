@@ -170,8 +170,12 @@ impl<'a> Folder<'a> {
         match fs::read(&path) {
             Ok(bytes) => {
                 let journal: Option<Journal> = serde_json::from_slice(&bytes).ok();
-                let unsound =
-                    || io::Error::new(io::ErrorKind::InvalidData, "the journal is not of a build into this folder");
+                let unsound = || {
+                    io::Error::new(
+                        io::ErrorKind::InvalidData,
+                        "the journal does not belong to a build into this folder",
+                    )
+                };
                 let is_own = |journal: &Journal| journal.is_sound() && journal.is_of(self.path);
                 let journal = journal.filter(is_own).ok_or_else(unsound).map_err(self.fault(JOURNAL))?;
                 self.carry_out(&journal)?;
@@ -233,7 +237,7 @@ impl<'a> Folder<'a> {
         for (index, (name, bytes)) in files.iter().enumerate() {
             self.acts.go_on().map_err(self.fault(name))?;
             if self.path.join(name).is_dir() {
-                let in_the_way = io::Error::new(io::ErrorKind::IsADirectory, "a folder of that name is in the way");
+                let in_the_way = io::Error::new(io::ErrorKind::IsADirectory, "a folder has that name");
                 return Err(self.fault(name)(in_the_way));
             }
             let staged = format!("{PREFIX}new-{index}");

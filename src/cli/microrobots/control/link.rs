@@ -103,17 +103,18 @@ impl Address {
         if let Some(path) = text.strip_prefix("unix:") {
             #[cfg(unix)]
             return match path {
-                "" => Err("a path belongs behind `unix:`, as `unix:/tmp/bed.sock`".to_owned()),
+                "" => Err("expected a path after `unix:`, such as `unix:/tmp/bed.sock`".to_owned()),
                 path => Ok(Address::Unix(path.into())),
             };
             #[cfg(not(unix))]
-            return Err(format!("`unix:{path}` is for Unix; use HOST:PORT, as 127.0.0.1:7000"));
+            return Err(format!("`unix:{path}` works on Unix only; use HOST:PORT, such as 127.0.0.1:7000"));
         }
-        let found = text.to_socket_addrs().map_err(|error| format!("{error}; use HOST:PORT, as 127.0.0.1:7000"))?;
+        let found =
+            text.to_socket_addrs().map_err(|error| format!("{error}; use HOST:PORT, such as 127.0.0.1:7000"))?;
         let (own, others): (Vec<SocketAddr>, Vec<SocketAddr>) = found.partition(|address| address.ip().is_loopback());
         match (own.first(), others.first()) {
             (Some(address), None) => Ok(Address::Tcp(*address)),
-            _ => Err("only this machine may be named: use 127.0.0.1, [::1] or localhost".to_owned()),
+            _ => Err("only addresses of this machine are allowed: use 127.0.0.1, [::1] or localhost".to_owned()),
         }
     }
 }

@@ -92,15 +92,15 @@ pub(super) fn controlled_bed(claims: &Claims) -> Result<&MicrorobotsOrder, Strin
     let order = order.ok_or_else(|| no_bed(name))?;
     match job.holds.is_empty() {
         true => Ok(order),
-        false => {
-            Err(format!("`{name}` cannot be controlled: it waits for an input or a person, which `control` does not"))
-        }
+        false => Err(format!(
+            "`{name}` cannot be controlled: it waits for an input or a person, which `control` does not support"
+        )),
     }
 }
 
 fn no_bed(name: &str) -> String {
     format!(
-        "`{name}` cannot be controlled: that takes one run of one task on a bed of microrobots with all error bounds; `--task NAME` chooses a task"
+        "`{name}` cannot be controlled: this needs one run of one task on a bed of microrobots with all error bounds; `--task NAME` chooses a task"
     )
 }
 
@@ -124,7 +124,7 @@ fn not_listening(address: &Address, error: &std::io::Error) -> Exit {
         #[cfg(unix)]
         Address::Unix(path) if error.kind() == std::io::ErrorKind::AddrInUse => {
             // A test connection would be accepted in place of the peer that the other process waits for.
-            format!("; delete `{}` if a process that was killed has left it", path.display())
+            format!("; delete `{}` if a killed process left it behind", path.display())
         }
         #[cfg(unix)]
         Address::Unix(_) => String::new(),
@@ -210,8 +210,7 @@ fn beyond_precision([place_um, heading_rad]: [f64; 2]) -> String {
     let granted = granted.filter(|(_, more, _)| *more > 0.0);
     let granted: Vec<String> = granted.map(|(name, more, unit)| format!("{name} {more}{unit}")).collect();
     format!(
-        "tweeze: in closed loop drives end up to {place} um and {heading} deg beyond the `precision` of the task: state one that you need, or \
-         verify the recording with `{}`\n",
+        "tweeze: in closed loop, drives end up to {place} um and {heading} deg beyond the `precision` of the task: set a `precision` that allows this, or verify the recording with `{}`\n",
         granted.join(" ")
     )
 }

@@ -28,7 +28,7 @@ pub struct Measured {
 pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String> {
     let line = line.trim();
     if !line.starts_with('{') {
-        return Err(r#"a line is one JSON object: {"t_ns": …, "robots": {…}}"#.to_owned());
+        return Err(r#"a line must be one JSON object: {"t_ns": …, "robots": {…}}"#.to_owned());
     }
     // There is only one line, so only the column is useful.
     let wrong = |error: serde_json::Error| {
@@ -36,11 +36,11 @@ pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String
     };
     let MeasuredLine { t_ns, robots } = serde_json::from_str(line).map_err(wrong)?;
     if t_ns > MAX_T_NS {
-        return Err(format!("`t_ns` is {t_ns}; at most {MAX_T_NS} can be counted on from"));
+        return Err(format!("`t_ns` is {t_ns}; it must be at most {MAX_T_NS}"));
     }
     let names: Vec<&str> = (0..order.robots.len()).map(|robot| order.robot(robot).name.as_str()).collect();
     if let Some(unknown) = robots.keys().find(|name| !names.contains(&name.as_str())) {
-        return Err(format!("`{unknown}` is no robot of the scene, which has {}", names.join(", ")));
+        return Err(format!("`{unknown}` is not a robot of the scene, which has {}", names.join(", ")));
     }
     let is_beyond = |pose: &RecordedPose| {
         let coordinates = [pose.x_um, pose.y_um];
@@ -48,7 +48,7 @@ pub fn measured(order: &MicrorobotsOrder, line: &str) -> Result<Measured, String
     };
     if let Some((name, _)) = robots.iter().find(|(_, pose)| pose.as_ref().is_some_and(is_beyond)) {
         return Err(format!(
-            "`{name}` is measured beyond {MAX_COORDINATE_UM} um or {MAX_HEADING_DEG} deg, where no motion shows in the number"
+            "`{name}` is measured beyond {MAX_COORDINATE_UM} um or {MAX_HEADING_DEG} deg, where numbers are too coarse to show a motion"
         ));
     }
     let pose = |name: &&str| robots.get(*name)?.as_ref().map(RecordedPose::pose);

@@ -26,7 +26,7 @@ pub fn describe(name: &str, bed: &CheckedBed) -> String {
     let heading = ["robot", "snap-down", "release", "turning radius", "speed"].map(str::to_owned).to_vec();
     let robots = facts.robots.iter().map(|robot| row(robot, facts.period_ns));
     let robots: Vec<Vec<String>> = std::iter::once(heading).chain(robots).collect();
-    let note = "control states: 1 is an arm that is down, so that the robot turns\n";
+    let note = "control states: 1 is an arm that is down, which makes the robot turn\n";
     format!("{head}\n{}\n{note}{}", aligned(&robots), matrix(bed))
 }
 
@@ -70,7 +70,7 @@ pub fn suggest(arguments: &DevicesArguments) -> Exit {
     let drive_v = arguments.relax.zip(arguments.flex).map(|(relax_v, flex_v)| [relax_v, flex_v]);
     if let Some([relax_v, flex_v]) = drive_v.filter(|[relax_v, flex_v]| relax_v >= flex_v) {
         let (relax, flex) = (volts(relax_v), volts(flex_v));
-        eprintln!("a relax level of {relax} must be below the flex level, which is {flex}");
+        eprintln!("relax level {relax} must be below the flex level of {flex}");
         return Exit::Usage;
     }
     let limits = SuggestLimits { margin_v, max_v, drive_v, swing_v: arguments.swing };
@@ -79,7 +79,7 @@ pub fn suggest(arguments: &DevicesArguments) -> Exit {
         Some(table) => terminal::answer(&declaration(table, &suggestion, limits)),
         None => {
             eprintln!(
-                "{robots} robots do not fit: with a margin of {} and a source of {} at most {} can be told apart",
+                "{robots} robots do not fit: with a margin of {} and a source of {}, at most {} can be distinguished",
                 volts(margin_v),
                 volts(max_v),
                 count(suggestion.most, "robot")

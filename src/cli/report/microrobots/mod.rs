@@ -35,6 +35,6 @@ fn absent(order: &MicrorobotsOrder) -> Option<Note> {
     let is_absent = |row: &usize| order.robots.iter().all(|robot| robot.row != *row);
     let rows = (0..order.facts.robots.len()).filter(is_absent);
     let names: Vec<&str> = rows.map(|row| order.facts.robots[row].name.as_str()).collect();
-    let line = format!("{} of the table, left out by the scene: taken not to be on the bed", names.join(", "));
+    let line = format!("{} in the table but not in the scene; assumed absent from the bed", names.join(", "));
     (!names.is_empty()).then_some((ReportTopic::Absent, line))
 }
