@@ -465,7 +465,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             // Agents that have split off come first, since they are on the board already.
             let split_off = progress.split_off.pop_front().map(|(agent, _)| agent);
             let Some(agent) = split_off.or_else(|| self.next(&progress, list, terms.turns)) else { break };
-            self.go_on(&mut progress, agent, terms)?;
+            self.extend_course(&mut progress, agent, terms)?;
             progress.keep_split_off(problem, until);
         }
         if let Some(agent) = (0..count).find(|agent| progress.done[*agent] < problem.errands[*agent].len()) {
@@ -505,7 +505,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
 
     /// Extends the course of an agent to its end, or to where it waits for another one; the error is the agent if it
     /// finds none.
-    fn go_on(&mut self, progress: &mut Progress, agent: usize, terms: ListTerms) -> Result<(), usize> {
+    fn extend_course(&mut self, progress: &mut Progress, agent: usize, terms: ListTerms) -> Result<(), usize> {
         let problem = self.problem;
         let first = progress.done[agent];
         let errands = &problem.errands[agent][first..];

@@ -85,7 +85,7 @@ pub(super) fn repair(
     while pairs > 0 {
         meter.step()?;
         let chosen = neighbourhood(planned, &state);
-        again(planned, &mut state, chosen, meter)?;
+        replan(planned, &mut state, chosen, meter)?;
         let before = std::mem::replace(&mut pairs, state.pairs());
         vain_rounds += usize::from(pairs >= before);
         if vain_rounds == RAISING_ROUNDS {
@@ -163,7 +163,7 @@ fn passer(planned: &mut PlannedInstance, path: &[CellIndex]) -> usize {
 }
 
 /// Replans the chosen agents; undone if the conflicts weigh more than before. `None` when the meter runs out.
-fn again(
+fn replan(
     planned: &mut PlannedInstance,
     state: &mut RepairState,
     mut chosen: Vec<usize>,
@@ -178,7 +178,7 @@ fn again(
     planned.random.shuffle(&mut chosen);
     let mut placed = 0;
     for agent in &chosen {
-        let terms = otherwise(planned, &state.paths[*agent]);
+        let terms = varied_terms(planned, &state.paths[*agent]);
         let Some(path) = planned.plan(*agent, terms, meter) else { break };
         let others = planned.conflicts(*agent, &path);
         state.link(*agent, others);
@@ -207,7 +207,7 @@ fn again(
 
 /// Settings for replanning: mostly the shortest path; some agents wait or detour first, for agents that cannot pass
 /// otherwise.
-fn otherwise(planned: &mut PlannedInstance, path: &[CellIndex]) -> PathTerms {
+fn varied_terms(planned: &mut PlannedInstance, path: &[CellIndex]) -> PathTerms {
     if planned.random.below(DELAYED) == 0 {
         return PathTerms { delay: planned.random.below(path.len() + LONGEST_DELAY) as u32, ..SOFT };
     }

@@ -65,7 +65,7 @@ impl Places {
 const WAY_SEPARATIONS: u32 = 3;
 
 /// Budget of the search for a cell out of the way: cells examined times cells of the path to avoid.
-const LOOKS: usize = 20_000;
+const MAX_CELL_CHECKS: usize = 20_000;
 
 /// One pushed agent in N takes a longer way out where the shortest is blocked.
 const RETREAT: usize = 16;
@@ -159,7 +159,7 @@ impl<'a> ConfigurationGenerator<'a> {
         let here = from[agent];
         let candidates = match push {
             None => self.nearer(agent, here, random),
-            Some(push) => self.aside(agent, here, push, random),
+            Some(push) => self.moves_aside(agent, here, push, random),
         };
         let mut wanted = None;
         for node in candidates {
@@ -214,7 +214,7 @@ impl<'a> ConfigurationGenerator<'a> {
     }
 
     /// The moves out of the pushing agent's path, the shortest way out first.
-    fn aside(&mut self, agent: usize, here: StagedCell, push: &Push, random: &mut SplitMix64) -> Vec<StagedCell> {
+    fn moves_aside(&mut self, agent: usize, here: StagedCell, push: &Push, random: &mut SplitMix64) -> Vec<StagedCell> {
         let (tables, instance) = (self.tables, self.tables.instance);
         let way: Vec<CellPlace> = push.way.iter().map(|cell| tables.place(*cell)).collect();
         let pusher = tables.place(push.at);
@@ -225,19 +225,19 @@ impl<'a> ConfigurationGenerator<'a> {
         self.seen[tables.cell(here) as usize] = self.searches;
         let firsts = moves.iter().enumerate().map(|(first, node)| (tables.cell(*node), first, 1));
         let mut open: VecDeque<(CellIndex, usize, u32)> = firsts.collect();
-        let mut looks = 0;
+        let mut checks = 0;
         while let Some((cell, first, length)) = open.pop_front() {
             let place = tables.place(cell);
             if tables.are_near(place, pusher) || self.seen[cell as usize] == self.searches {
                 continue;
             }
             self.seen[cell as usize] = self.searches;
-            looks += way.len();
+            checks += way.len();
             if !way.iter().any(|at| tables.are_near(place, *at)) {
                 lengths[first] = lengths[first].min(length);
                 continue;
             }
-            if looks > LOOKS || lengths.iter().all(|known| *known < length) {
+            if checks > MAX_CELL_CHECKS || lengths.iter().all(|known| *known < length) {
                 break;
             }
             open.extend(instance.board.neighbours(cell).map(|beside| (beside, first, length + 1)));
