@@ -44,7 +44,7 @@ fn confirm(instance: &Instance, why: &NoBoardPlan) {
             assert!(states <= MOST_STATES, "not confirmed: {agents:?} of {instance:?}");
             assert_eq!(brute::least(instance, agents, BoardObjective::Makespan), None, "{agents:?} of {instance:?}");
         }
-        NoBoardPlan::Torn { .. } => panic!("no channel is shared: {instance:?}"),
+        NoBoardPlan::TornByChannels { .. } => panic!("no channel is shared: {instance:?}"),
         NoBoardPlan::TooFewSteps { .. } => panic!("no limit was given: {instance:?}"),
     }
 }

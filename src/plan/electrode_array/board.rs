@@ -251,17 +251,17 @@ impl BoardCosts {
 
 /// Progress display of the best plan of a stage so far.
 #[derive(Debug)]
-pub struct HeldBoardPlan {
+pub struct BoardPlanProgress {
     objective: BoardObjective,
     costs: BoardCosts,
     bounds: BoardCosts,
     held: HeldPlan,
 }
 
-impl HeldBoardPlan {
+impl BoardPlanProgress {
     /// Begins with a first plan and the lower bounds on every plan.
-    pub fn begin(objective: BoardObjective, costs: BoardCosts, bounds: BoardCosts) -> HeldBoardPlan {
-        HeldBoardPlan { objective, costs, bounds, held: HeldPlan::begin(|| summary(objective, costs, bounds)) }
+    pub fn begin(objective: BoardObjective, costs: BoardCosts, bounds: BoardCosts) -> BoardPlanProgress {
+        BoardPlanProgress { objective, costs, bounds, held: HeldPlan::begin(|| summary(objective, costs, bounds)) }
     }
 
     /// Offers another plan, which may be better, and the current bounds.
@@ -323,7 +323,7 @@ pub enum NoBoardPlan {
     Closed { agent: usize, stop: usize },
     /// Shared channels keep this agent from this stop, even when it is alone: their other electrodes, switched along
     /// its way, would pull it apart.
-    Torn { agent: usize, stop: usize },
+    TornByChannels { agent: usize, stop: usize },
     /// These agents cannot pass one another, whatever the others do; the smallest set found that cannot.
     Blocked { agents: Vec<usize> },
     /// No plan keeps the limit on steps, though one without the limit exists or may exist; `least` is a lower bound on

@@ -58,7 +58,7 @@ pub struct PartErrands {
     pub moves: Vec<ElectrodeArrayMove>,
     /// By part and stop: the work that the part does there.
     works: Vec<Vec<StopWork>>,
-    comes: Vec<bool>,
+    enters: Vec<bool>,
     is_gone: Vec<bool>,
     /// By part: the part from which it splits off, if it does.
     parents: Vec<Option<usize>>,
@@ -91,8 +91,8 @@ impl PartErrands {
         operations: &[AssayOperation],
     ) -> PartErrands {
         let (moves, works) = (Vec::new(), Vec::new());
-        let (comes, is_gone, parents, ends) = (Vec::new(), Vec::new(), Vec::new(), vec![None; operations.len()]);
-        let mut errands = PartErrands { moves, works, comes, is_gone, parents, ends };
+        let (enters, is_gone, parents, ends) = (Vec::new(), Vec::new(), Vec::new(), vec![None; operations.len()]);
+        let mut errands = PartErrands { moves, works, enters, is_gone, parents, ends };
         for (nth, operation) in operations.iter().enumerate() {
             for part in operation.parts() {
                 let Some(start) = cells[part] else { continue };
@@ -117,7 +117,7 @@ impl PartErrands {
                 errands.works[index].push(work);
                 // Of two parts that merge, the one that remains.
                 errands.ends[nth].get_or_insert(ErrandPlace { agent: index, errand: errands.works[index].len() - 1 });
-                errands.comes[index] |= operation.comes;
+                errands.enters[index] |= operation.comes;
                 errands.is_gone[index] |= operation.gone() == Some(part);
             }
             if let Some(half) = operation.splits {
@@ -134,7 +134,7 @@ impl PartErrands {
         self.moves.iter().position(|one| one.part == part).unwrap_or_else(|| {
             self.moves.push(ElectrodeArrayMove::alone(part, Vec::new(), operation.span));
             self.works.push(Vec::new());
-            self.comes.push(false);
+            self.enters.push(false);
             self.is_gone.push(false);
             self.parents.push(None);
             self.moves.len() - 1
@@ -188,7 +188,7 @@ impl PartErrands {
         let of_agents = |flags: &[bool]| -> Vec<bool> {
             (0..instance.agents.len()).map(|agent| flags.get(agent).copied().unwrap_or(false)).collect()
         };
-        let (comes, is_gone) = (of_agents(&self.comes), of_agents(&self.is_gone));
+        let (enters, is_gone) = (of_agents(&self.enters), of_agents(&self.is_gone));
         let before = |work: &StopWork| work.after.iter().filter_map(|operation| self.ends[*operation]).collect();
         let afters = |agent: usize| {
             let works = self.works.get(agent).map_or(none.as_slice(), Vec::as_slice);
@@ -210,10 +210,10 @@ impl PartErrands {
             works.iter().map(|work| work.operation).collect()
         };
         let operations = (0..instance.agents.len()).map(own).collect();
-        let (releases, papers) = (Vec::new(), Vec::new());
+        let (releases, relaxed_schedules) = (Vec::new(), Vec::new());
         AssayProblem {
             instance,
-            comes,
+            enters,
             parents,
             errands,
             operations,
@@ -221,7 +221,7 @@ impl PartErrands {
             lags,
             releases,
             loops,
-            papers,
+            relaxed_schedules,
             is_gone,
             traces,
         }

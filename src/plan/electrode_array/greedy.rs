@@ -14,7 +14,7 @@ use crate::plan::errors;
 const PUBLISHED_HORIZON: usize = 4;
 
 /// Pair checks of the published planner that take as long as one node expansion of another planner.
-const LOOKS_PER_EXPANSION: u64 = 20;
+const CHECKS_PER_EXPANSION: u64 = 20;
 
 impl Tasks<'_> {
     /// The paper's algorithm; it is greedy, so its failure proves nothing.
@@ -66,8 +66,8 @@ impl Tasks<'_> {
     /// Whether the budget allows the published planner, which checks every pair of parts at every instant up to its horizon.
     fn affords(&self, stage: &BoardStage, horizon: usize) -> bool {
         let agents = stage.agents.len() as u64;
-        let looks = agents.saturating_mul(agents).saturating_mul(horizon as u64);
-        looks / LOOKS_PER_EXPANSION <= self.order.planner.expansions
+        let checks = agents.saturating_mul(agents).saturating_mul(horizon as u64);
+        checks / CHECKS_PER_EXPANSION <= self.order.planner.expansions
     }
 
     fn stuck(&mut self, stage: &BoardStage, agent: usize, path: &[CellIndex], how: &str) {

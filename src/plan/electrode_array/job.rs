@@ -15,7 +15,7 @@ use super::motion::{ElectrodeArrayMotion, ElectrodeArrayStepMotion};
 use super::places::arranged::{self, NoArrangement, PlacedPlan};
 use super::portfolio;
 use super::published::Heuristic;
-use super::reasons::remedy::{Shut, Tried};
+use super::reasons::remedy::{CutOffPart, RemedyOutcome};
 use super::reasons::{torn, why};
 use super::stage::{self, BoardGround, BoardStage, CellBlocker};
 use super::standings::{self, BoardStandings};
@@ -461,7 +461,7 @@ impl Tasks<'_> {
     pub(super) fn impossible(&mut self, step: Span, stage: &BoardStage, reason: &NoBoardPlan) {
         match reason {
             NoBoardPlan::Closed { agent, stop } => self.closed(stage, *agent, *stop),
-            NoBoardPlan::Torn { agent, stop } => {
+            NoBoardPlan::TornByChannels { agent, stop } => {
                 self.sink.push(torn::torn(self.order, stage, *agent, *stop));
             }
             NoBoardPlan::Blocked { agents } => {
@@ -491,8 +491,8 @@ impl Tasks<'_> {
         let to = asked.stops[stop];
         let (blamed, removal) = why::why(stage, from, to);
         let part = &self.order.parts[actor.part];
-        let shut = Shut { order: self.order, stage, blamed: &blamed, removal, part: &part.name };
-        let help = shut.help(self.tried(&shut));
+        let cut_off = CutOffPart { order: self.order, stage, blamed: &blamed, removal, part: &part.name };
+        let help = cut_off.help(self.remedy_outcome(&cut_off));
         let blockers: Vec<&CellBlocker> = stage.blockers().collect();
         let blamed: Vec<(String, Span)> =
             blamed.iter().map(|index| (blockers[*index].name(), blockers[*index].span)).collect();
@@ -521,15 +521,15 @@ impl Tasks<'_> {
     }
 
     /// Plans the whole task with a remedy applied, without trying further remedies.
-    fn tried(&mut self, shut: &Shut) -> Tried {
+    fn remedy_outcome(&mut self, cut_off: &CutOffPart) -> RemedyOutcome {
         let may_remedy = std::mem::replace(&mut self.may_remedy, false);
-        let Some(order) = shut.remedied().filter(|_| may_remedy) else { return Tried::LeftOut };
+        let Some(order) = cut_off.remedied().filter(|_| may_remedy) else { return RemedyOutcome::LeftOut };
         let mut sink = Sink::default();
         if planned(self.job, &order, self.start.to_vec(), false, &mut sink).0.is_some() {
-            return Tried::Planned;
+            return RemedyOutcome::Planned;
         }
         let is_proven = sink.sorted().iter().any(|diagnostic| diagnostic.code == Code::E0601);
-        if is_proven { Tried::Impossible } else { Tried::NotFound(order.planner.expansions) }
+        if is_proven { RemedyOutcome::Impossible } else { RemedyOutcome::NotFound(order.planner.expansions) }
     }
 
     pub(super) fn add(&mut self, paths: &Paths, bounds: BoardCosts) {

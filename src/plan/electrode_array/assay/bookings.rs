@@ -122,9 +122,9 @@ struct FirmPart {
     until: u32,
 }
 
-/// The view of an agent that looks for free cells.
+/// An agent that asks for the free spans of cells.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Asking<'q> {
+pub(super) struct SpanQuery<'q> {
     /// Its own bookings do not block it.
     pub agent: usize,
     /// Agents that it has merged with.
@@ -259,8 +259,8 @@ impl Bookings<'_> {
     }
 
     /// Appends the free spans of a cell, in order. Spans that end before `since` may be missing or reach too far back.
-    pub(super) fn free(&self, cell: CellIndex, asking: Asking, out: &mut Vec<FreeSpan>) {
-        let Asking { agent, past, met, content, since } = asking;
+    pub(super) fn free(&self, cell: CellIndex, query: SpanQuery, out: &mut Vec<FreeSpan>) {
+        let SpanQuery { agent, past, met, content, since } = query;
         let is_met = |booking: &Booking| {
             booking.agent as usize == agent
                 || past.contains(&(booking.agent as usize))
@@ -283,7 +283,7 @@ impl Bookings<'_> {
     }
 
     /// Whether a visit to a cell at an instant contaminates the agent or, later or at that instant, others.
-    pub(super) fn does_harm(&self, cell: CellIndex, Asking { met, content, .. }: Asking, at: u32) -> bool {
+    pub(super) fn does_harm(&self, cell: CellIndex, SpanQuery { met, content, .. }: SpanQuery, at: u32) -> bool {
         let Some((traces, content)) = self.traces.zip(content) else { return false };
         let mut closed = Vec::new();
         self.append_closed(cell, traces, content, met, &mut closed);

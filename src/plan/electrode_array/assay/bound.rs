@@ -6,7 +6,7 @@
 //! round is over, and for agents that stay at its corner for a whole round. First arrivals: of several stops whose
 //! agents enter the board at few places, one has to wait for its first agent.
 
-use super::route::Ahead;
+use super::route::StopDistances;
 use super::{AssayProblem, Errand, ErrandPlace};
 use crate::plan::electrode_array::board::{BoardCosts, BoardGrid, CellIndex};
 use std::collections::{BTreeMap, BTreeSet};
@@ -32,7 +32,7 @@ pub(super) struct AssayBounds {
     pub heads: Vec<Vec<u32>>,
 }
 
-pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> AssayBounds {
+pub(super) fn least(problem: &AssayProblem, ahead: &StopDistances) -> AssayBounds {
     let timed = timed(problem, ahead);
     let alone = timed.iter().flatten().map(|one| one.head + u64::from(one.errand.stay)).max().unwrap_or(0);
     let room = |around: &Vec<CellIndex>| LoopRoom::of(&problem.instance.board, problem.instance.separation, around);
@@ -45,10 +45,11 @@ pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> AssayBounds {
             }
         }
     }
-    let drops = drops(problem);
-    let turns = stays.iter().map(|(place, stays)| in_turns(problem, *place, stays, &drops)).max().unwrap_or(0);
-    let turns = turns.max(stays.iter().map(|(place, stays)| comings(problem, *place, stays)).max().unwrap_or(0));
-    let turns = turns.max(firsts(problem, ahead, &stays, &drops));
+    let droplet_of = droplet_of(problem);
+    let turns = stays.iter().map(|(place, stays)| in_turns(problem, *place, stays, &droplet_of)).max().unwrap_or(0);
+    let turns =
+        turns.max(stays.iter().map(|(place, stays)| entering_in_turns(problem, *place, stays)).max().unwrap_or(0));
+    let turns = turns.max(firsts(problem, ahead, &stays, &droplet_of));
     let arrivals = timed.iter().enumerate().map(|(agent, errands)| last_arrival(problem, agent, errands));
     let costs = BoardCosts { makespan: alone.max(turns), sum_of_costs: arrivals.sum() };
     let each = |of: &dyn Fn(&TimedErrand) -> u64| {
@@ -59,7 +60,7 @@ pub(super) fn least(problem: &AssayProblem, ahead: &Ahead) -> AssayBounds {
 }
 
 /// The errands with their earliest starts; errands in which two agents meet start at the same instant.
-fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
+fn timed(problem: &AssayProblem, ahead: &StopDistances) -> Vec<Vec<TimedErrand>> {
     let agents = &problem.instance.agents;
     let mut arrivals: Vec<Vec<u64>> = vec![Vec::new(); agents.len()];
     let mut heads = arrivals.clone();
@@ -70,12 +71,12 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
     loop {
         let before = order.len();
         for agent in 0..agents.len() {
-            let Some(comes) = given_off(problem, agent, &heads) else { continue };
+            let Some(appears) = appears_at(problem, agent, &heads) else { continue };
             while heads[agent].len() < problem.errands[agent].len() {
                 let index = heads[agent].len();
                 let since = index
                     .checked_sub(1)
-                    .map_or(comes, |last| heads[agent][last] + u64::from(problem.errands[agent][last].stay));
+                    .map_or(appears, |last| heads[agent][last] + u64::from(problem.errands[agent][last].stay));
                 let arrival = since + way(agent, index);
                 let Some(begins) = begins(problem, agent, index, &heads, &changes) else { break };
                 let mut head = arrival.max(begins);
@@ -84,10 +85,10 @@ fn timed(problem: &AssayProblem, ahead: &Ahead) -> Vec<Vec<TimedErrand>> {
                     // Its earliest start is known once all its previous errands are timed.
                     let theirs = partner.map(|place| place.errand).filter(|place| heads[other].len() >= *place);
                     let Some(theirs) = theirs else { break };
-                    let Some(comes) = given_off(problem, other, &heads) else { break };
+                    let Some(appears) = appears_at(problem, other, &heads) else { break };
                     let since = theirs
                         .checked_sub(1)
-                        .map_or(comes, |last| heads[other][last] + u64::from(problem.errands[other][last].stay));
+                        .map_or(appears, |last| heads[other][last] + u64::from(problem.errands[other][last].stay));
                     head = head.max(since + way(other, theirs));
                 }
                 arrivals[agent].push(arrival);
@@ -134,12 +135,12 @@ fn begins(
 type ErrandChanges = Vec<Vec<Vec<u64>>>;
 
 fn changes(problem: &AssayProblem) -> ErrandChanges {
-    let drops = drops(problem);
+    let droplet_of = droplet_of(problem);
     let mut at_stop: BTreeMap<CellIndex, u64> = BTreeMap::new();
     let mut between = |before: &ErrandPlace, (agent, index): (usize, usize)| {
         let (done, next) = (problem.errands[before.agent][before.errand], problem.errands[agent][index]);
         let leaves = problem.is_gone[before.agent] && before.errand + 1 == problem.errands[before.agent].len();
-        let makes_room = done.stop == next.stop && drops[before.agent] != drops[agent];
+        let makes_room = done.stop == next.stop && droplet_of[before.agent] != droplet_of[agent];
         if !makes_room || leaves || done.splits.is_some() {
             return 0;
         }
@@ -155,14 +156,19 @@ fn changes(problem: &AssayProblem) -> ErrandChanges {
 }
 
 /// Least steps of an agent from the stop of its previous errand to that of an errand.
-fn way(problem: &AssayProblem, ahead: &Ahead, agent: usize, index: usize) -> u64 {
+fn way(problem: &AssayProblem, ahead: &StopDistances, agent: usize, index: usize) -> u64 {
     let before = index.checked_sub(1).map(|before| problem.errands[agent][before].stop);
     u64::from(ahead.steps(agent, index, before.unwrap_or(problem.instance.agents[agent].start)))
 }
 
 /// Least steps from the end of each errand to the end of everything that must follow. `order` has the errands by their
 /// earliest starts, so that one round is mostly enough: a successor is rarely listed before its predecessor.
-fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)], changes: &ErrandChanges) -> Vec<Vec<u64>> {
+fn tails(
+    problem: &AssayProblem,
+    ahead: &StopDistances,
+    order: &[(usize, usize)],
+    changes: &ErrandChanges,
+) -> Vec<Vec<u64>> {
     let mut tails: Vec<Vec<u64>> = problem.errands.iter().map(|errands| vec![0; errands.len()]).collect();
     let way = |agent: usize, index: usize| way(problem, ahead, agent, index);
     let mut is_complete = false;
@@ -200,8 +206,8 @@ fn tails(problem: &AssayProblem, ahead: &Ahead, order: &[(usize, usize)], change
 
 /// The first instant at which an agent can be on the board: 0, or that of the split from which it comes; `None` while
 /// it is not known.
-fn given_off(problem: &AssayProblem, agent: usize, heads: &[Vec<u64>]) -> Option<u64> {
-    match problem.given_off_by(agent) {
+fn appears_at(problem: &AssayProblem, agent: usize, heads: &[Vec<u64>]) -> Option<u64> {
+    match problem.split_of(agent) {
         Some(place) => heads[place.agent].get(place.errand).copied(),
         None => Some(0),
     }
@@ -278,21 +284,26 @@ impl TurnPlace {
 /// Lower bound from agents that take turns at a place. For each set of stays that can begin no earlier than one of
 /// them: the earliest start of the first, all stays with the changeovers between them, and the least time from the end
 /// of the last to the end of the assay; first and last differ if there are two. Agents that merge, with each other or
-/// with a third, may follow each other as one and without a changeover; they have the same number in `drops`. An agent
-/// that leaves the board at the stop need not make room.
-fn in_turns(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErrand)], drops: &[usize]) -> u64 {
+/// with a third, may follow each other as one and without a changeover; they have the same number in `droplet_of`. An
+/// agent that leaves the board at the stop need not make room.
+fn in_turns(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErrand)], droplet_of: &[usize]) -> u64 {
     let change = change(problem, place.stop);
     let set_from = |least: u64| {
         let of: Vec<(usize, TimedErrand)> = stays.iter().filter(|(_, one)| one.head >= least).copied().collect();
-        one_after_another(&of, |nth| of[nth].1.head, drops, change)
+        one_after_another(&of, |nth| of[nth].1.head, droplet_of, change)
     };
     stays.iter().map(|(_, one)| set_from(one.head)).max().unwrap_or(0)
 }
 
 /// Least steps until everything is done, for agents that stay at one stop in turn, each from its own earliest start on.
-fn one_after_another(of: &[(usize, TimedErrand)], head: impl Fn(usize) -> u64, drops: &[usize], change: u64) -> u64 {
+fn one_after_another(
+    of: &[(usize, TimedErrand)],
+    head: impl Fn(usize) -> u64,
+    droplet_of: &[usize],
+    change: u64,
+) -> u64 {
     let all: u64 = of.iter().map(|(_, one)| u64::from(one.errand.stay)).sum();
-    let apart: BTreeSet<usize> = of.iter().map(|(agent, _)| drops[*agent]).collect();
+    let apart: BTreeSet<usize> = of.iter().map(|(agent, _)| droplet_of[*agent]).collect();
     let with_last = |first: usize| {
         let others = of.iter().enumerate().filter(|(nth, _)| *nth != first || of.len() == 1);
         head(first) + others.map(|(_, (_, one))| one.tail).min().unwrap_or(0)
@@ -308,15 +319,15 @@ fn change(problem: &AssayProblem, stop: CellIndex) -> u64 {
         Some(problem.instance.board.manhattan(stop, last.stop))
     };
     let nearest = problem.errands.iter().zip(&problem.is_gone).filter_map(exit).min();
-    let mut agents = problem.instance.agents.iter().zip(&problem.comes);
-    let comes = agents.any(|(agent, comes)| *comes && agent.start == stop);
-    steps_between(problem.instance.separation, nearest, comes)
+    let mut agents = problem.instance.agents.iter().zip(&problem.enters);
+    let enters = agents.any(|(agent, enters)| *enters && agent.start == stop);
+    steps_between(problem.instance.separation, nearest, enters)
 }
 
 /// Least steps between the stays of two agents at a stop. `exit` are the steps from there to the nearest cell where an
-/// agent leaves the board; `comes` is whether agents enter at the stop.
-pub fn steps_between(separation: u32, exit: Option<u32>, comes: bool) -> u64 {
-    match (exit, comes) {
+/// agent leaves the board; `enters` is whether agents enter at the stop.
+pub fn steps_between(separation: u32, exit: Option<u32>, enters: bool) -> u64 {
+    match (exit, enters) {
         // One agent may be gone at the instant at which the other enters.
         (Some(steps), true) => u64::from(steps.min(separation)),
         (Some(0), false) | (None, true) => u64::from(separation),
@@ -325,14 +336,14 @@ pub fn steps_between(separation: u32, exit: Option<u32>, comes: bool) -> u64 {
 }
 
 /// As [`in_turns`], for the agents that enter at a stop: each needs it alone, whatever it merges with later.
-fn comings(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErrand)]) -> u64 {
+fn entering_in_turns(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErrand)]) -> u64 {
     // No agent is mixed before it has entered.
     if place.is_loop {
         return 0;
     }
     let mut own: Vec<(usize, TimedErrand)> = Vec::new();
     for (agent, one) in stays {
-        let is_first = problem.comes[*agent] && problem.instance.agents[*agent].start == one.errand.stop;
+        let is_first = problem.enters[*agent] && problem.instance.agents[*agent].start == one.errand.stop;
         if is_first && own.last().is_none_or(|(last, _)| last != agent) {
             own.push((*agent, *one));
         }
@@ -347,17 +358,17 @@ fn comings(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErran
 /// at two of them.
 fn firsts(
     problem: &AssayProblem,
-    ahead: &Ahead,
+    ahead: &StopDistances,
     stays: &BTreeMap<TurnPlace, Vec<(usize, TimedErrand)>>,
-    drops: &[usize],
+    droplet_of: &[usize],
 ) -> u64 {
     let start = |agent: usize| problem.instance.agents[agent].start;
     let mut stops: Vec<ServedStop> = Vec::new();
     for (place, stays) in stays {
         // Entering is no stay that an agent must first travel to.
-        if stays.iter().all(|(agent, _)| problem.comes[*agent] && start(*agent) != place.stop) {
+        if stays.iter().all(|(agent, _)| problem.enters[*agent] && start(*agent) != place.stop) {
             let head = |nth: usize| alone(problem, ahead, stays[nth].0, place.stop);
-            let steps = one_after_another(stays, head, drops, change(problem, place.stop));
+            let steps = one_after_another(stays, head, droplet_of, change(problem, place.stop));
             let agents: BTreeSet<usize> = stays.iter().map(|(agent, _)| *agent).collect();
             stops.push(ServedStop { steps, from: agents.iter().map(|agent| start(*agent)).collect(), agents });
         }
@@ -365,7 +376,7 @@ fn firsts(
     stops.sort_by_key(|stop| std::cmp::Reverse(stop.steps));
     let mut most = 0;
     for from in stops.iter().map(|stop| &stop.from).collect::<BTreeSet<_>>() {
-        let coming = (0..problem.errands.len()).filter(|agent| problem.comes[*agent] && from.contains(&start(*agent)));
+        let coming = (0..problem.errands.len()).filter(|agent| problem.enters[*agent] && from.contains(&start(*agent)));
         let takes = coming.map(|agent| problem.errands[agent].first().map_or(0, |first| first.stay)).min().unwrap_or(0);
         let turn = u64::from(takes) + from.iter().map(|place| change(problem, *place)).min().unwrap_or(0);
         let (mut taken, mut count) = (BTreeSet::new(), 0u64);
@@ -390,7 +401,7 @@ struct ServedStop {
 }
 
 /// The first instant at which an agent can stay at a stop, whatever others do.
-fn alone(problem: &AssayProblem, ahead: &Ahead, agent: usize, stop: CellIndex) -> u64 {
+fn alone(problem: &AssayProblem, ahead: &StopDistances, agent: usize, stop: CellIndex) -> u64 {
     let (mut from, mut steps) = (problem.instance.agents[agent].start, 0);
     for (index, errand) in problem.errands[agent].iter().enumerate() {
         steps += u64::from(ahead.steps(agent, index, from));
@@ -405,10 +416,10 @@ fn alone(problem: &AssayProblem, ahead: &Ahead, agent: usize, stop: CellIndex) -
 
 /// For each agent the number of its droplet: agents that merge or split, directly or through others, have the same
 /// number.
-pub(super) fn drops(problem: &AssayProblem) -> Vec<usize> {
+pub(super) fn droplet_of(problem: &AssayProblem) -> Vec<usize> {
     let joined = problem.errands.iter().enumerate().flat_map(|(agent, errands)| {
-        let given_off = errands.iter().filter_map(|errand| errand.splits).map(|split| split.child);
-        errands.iter().filter_map(|errand| errand.meets).chain(given_off).map(move |other| (agent, other))
+        let children = errands.iter().filter_map(|errand| errand.splits).map(|split| split.child);
+        errands.iter().filter_map(|errand| errand.meets).chain(children).map(move |other| (agent, other))
     });
     families(problem.errands.len(), joined)
 }

@@ -23,12 +23,12 @@ fn step_of(problem: &AssayProblem, courses: &[AgentCourse], agent: usize, instan
     }
     if let Some(parent) = problem.parents[agent].filter(|_| course.since == instant + 1) {
         let step = AgentStep { from: courses[parent].at(instant)?, to };
-        return Some(PulledStep { step, meant: courses[parent].at(instant + 1) });
+        return Some(PulledStep { step, split_electrode: courses[parent].at(instant + 1) });
     }
     if instant < course.since {
         return None;
     }
     let comes_now = |child: usize| problem.parents[child] == Some(agent) && courses[child].since == instant + 1;
     let half = (0..courses.len()).find(|child| comes_now(*child)).and_then(|child| courses[child].at(instant + 1));
-    Some(PulledStep { step: AgentStep { from: course.at(instant)?, to }, meant: half })
+    Some(PulledStep { step: AgentStep { from: course.at(instant)?, to }, split_electrode: half })
 }

@@ -9,7 +9,7 @@
 
 use super::bound::AssayBounds;
 use super::replay::done_by;
-use super::route::Ahead;
+use super::route::StopDistances;
 use super::{AgentCourse, AssayProblem, ErrandLag, ErrandPlace, lists};
 use crate::plan::electrode_array::board::BoardObjective;
 use crate::plan::electrode_array::fast::UNREACHABLE;
@@ -22,7 +22,7 @@ const HELD_SHARE: u64 = 2;
 /// Courses that keep all lags, if lists yield them.
 pub(super) fn by_lists(
     problem: &AssayProblem,
-    ahead: &Ahead,
+    ahead: &StopDistances,
     objective: BoardObjective,
     bounds: &AssayBounds,
     meter: &mut Meter,
@@ -40,7 +40,7 @@ pub(super) fn by_lists(
 /// Holds back errands that are done too early, until the courses of the best lists keep all lags.
 fn held_back(
     held: &mut AssayProblem,
-    ahead: &Ahead,
+    ahead: &StopDistances,
     objective: BoardObjective,
     bounds: &AssayBounds,
     mut courses: Vec<AgentCourse>,
@@ -83,7 +83,7 @@ fn late(problem: &AssayProblem, courses: &[AgentCourse]) -> Vec<(ErrandPlace, u3
 
 /// An errand that its agent cannot reach in time, even alone, from an earlier one. The earlier one is a predecessor in
 /// the lag, or comes after all of these.
-pub(super) fn hopeless(problem: &AssayProblem, ahead: &Ahead) -> Option<ErrandPlace> {
+pub(super) fn hopeless(problem: &AssayProblem, ahead: &StopDistances) -> Option<ErrandPlace> {
     let is_far = |lag: &&ErrandLag| {
         let ErrandPlace { agent, errand: last } = lag.of;
         let errands = &problem.errands[agent];

@@ -10,9 +10,9 @@
 use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::bound::AssayBounds;
 use super::replay::done_at;
-use super::route::{Ahead, Course, RouteQuery, Router};
+use super::route::{Course, RouteQuery, Router, StopDistances};
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, bound};
-use crate::plan::electrode_array::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan};
+use crate::plan::electrode_array::board::{BoardCosts, BoardObjective, BoardPlanProgress, CellIndex};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use rustc_hash::FxHashSet;
@@ -52,7 +52,7 @@ const STEPS_PER_CELL: u64 = 4;
 /// The best courses found.
 pub(super) fn best(
     problem: &AssayProblem,
-    ahead: &Ahead,
+    ahead: &StopDistances,
     objective: BoardObjective,
     bounds: &AssayBounds,
     meter: &mut Meter,
@@ -69,15 +69,15 @@ pub(super) fn best(
     let eager = first_eager(&mut planner, list.clone(), 0..tries, &mut random);
     // A parent keeps far from its children's starts as long as these have no course; with pauses they get one sooner.
     let pausing = LISTS_WITHOUT_PAUSE..LISTS_WITHOUT_PAUSE + PAUSED_LISTS;
-    let has_pauses = planner.gives_off_several();
+    let has_pauses = planner.has_several_splits();
     let paused = has_pauses.then(|| first_eager(&mut planner, list.clone(), pausing, &mut random)).flatten();
     let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
     let mut firsts: Vec<FirstList> = [eager, paused].into_iter().flatten().collect();
     let mut patient: Vec<Vec<AgentCourse>> = Vec::new();
-    for paper in problem.papers.iter().filter(|_| problem.releases.is_empty()) {
-        let on_paper = first_on_paper(&mut planner, paper);
-        firsts.extend(on_paper.0);
-        patient.extend(on_paper.1);
+    for schedule in problem.relaxed_schedules.iter().filter(|_| problem.releases.is_empty()) {
+        let found = by_schedule(&mut planner, schedule);
+        firsts.extend(found.0);
+        patient.extend(found.1);
     }
     firsts.sort_by_key(|first| key(&first.courses));
     patient.extend(if is_crowd { early } else { first_patient(&mut planner, &list) });
@@ -86,9 +86,9 @@ pub(super) fn best(
 }
 
 /// The best courses found from a random first list.
-pub(super) fn by_chance(
+pub(super) fn by_random_list(
     problem: &AssayProblem,
-    ahead: &Ahead,
+    ahead: &StopDistances,
     objective: BoardObjective,
     bounds: &AssayBounds,
     seed: u64,
@@ -147,27 +147,27 @@ fn first_eager(
 
 /// The list in the order of a schedule that ignores conflicts, and courses in which no errand begins earlier than in
 /// that schedule.
-fn first_on_paper(planner: &mut ListPlanner, paper: &[Vec<u32>]) -> (Option<FirstList>, Option<Vec<AgentCourse>>) {
+fn by_schedule(planner: &mut ListPlanner, schedule: &[Vec<u32>]) -> (Option<FirstList>, Option<Vec<AgentCourse>>) {
     let (problem, ahead, bounds) = (planner.problem, planner.ahead, planner.bounds);
-    let mut on_paper = AssayProblem { releases: problem.unheld(), ..problem.clone() };
-    for (agent, own) in paper.iter().enumerate() {
+    let mut released = AssayProblem { releases: problem.unheld(), ..problem.clone() };
+    for (agent, own) in schedule.iter().enumerate() {
         for (errand, begin) in own.iter().enumerate() {
             if let Some((place, until)) = problem.held_back_by(ErrandPlace { agent, errand }, *begin) {
-                let release = &mut on_paper.releases[place.agent][place.errand];
+                let release = &mut released.releases[place.agent][place.errand];
                 *release = until.max(*release);
             }
         }
     }
     let begin = |agent: &usize| {
-        let first = usize::from(problem.comes[*agent]);
-        paper[*agent].get(first).copied().unwrap_or(0)
+        let first = usize::from(problem.enters[*agent]);
+        schedule[*agent].get(first).copied().unwrap_or(0)
     };
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
     list.sort_by_key(begin);
     let mut random = SplitMix64::new(SEED);
     let mut fresh = ListPlanner::new(problem, ahead, bounds, planner.meter);
     let eager = first_eager(&mut fresh, list.clone(), 0..KEPT_SEPARATIONS.len(), &mut random);
-    let mut held = ListPlanner::new(&on_paper, ahead, bounds, planner.meter);
+    let mut held = ListPlanner::new(&released, ahead, bounds, planner.meter);
     let patient = first_patient(&mut held, &list);
     (eager, patient)
 }
@@ -194,12 +194,12 @@ impl Improvement {
     fn best(self, planner: &mut ListPlanner, random: &mut SplitMix64) -> Option<Vec<AgentCourse>> {
         let mut best = self.firsts.first()?.courses.clone();
         let costs = AssayPlan::costs(&best);
-        let mut held = HeldBoardPlan::begin(self.objective, costs, self.least);
+        let mut progress = BoardPlanProgress::begin(self.objective, costs, self.least);
         for first in self.firsts.iter().cycle().take(ROUNDS) {
             if self.is_least(&best) {
                 break;
             }
-            let found = self.round(planner, first, random, &mut held);
+            let found = self.round(planner, first, random, &mut progress);
             if self.key(&found) < self.key(&best) {
                 best = found;
             }
@@ -221,10 +221,10 @@ impl Improvement {
         planner: &mut ListPlanner,
         first: &FirstList,
         random: &mut SplitMix64,
-        held: &mut HeldBoardPlan,
+        progress: &mut BoardPlanProgress,
     ) -> Vec<AgentCourse> {
         let (mut courses, mut list) = (first.courses.clone(), first.list.clone());
-        let drops = bound::drops(planner.problem);
+        let droplet_of = bound::droplet_of(planner.problem);
         let mut idle = 0;
         while !self.is_least(&courses) && idle < LISTS && list.len() > 1 && planner.meter.left().steps > 0 {
             planner.limit = match self.objective {
@@ -233,14 +233,14 @@ impl Improvement {
             };
             let other = match idle % 3 {
                 0 => moved(&list, random),
-                1 => advanced(&list, &drops, &[below(random, drops.len())], random),
-                _ => advanced(&list, &drops, &last_done(&courses), random),
+                1 => advanced(&list, &droplet_of, &[below(random, droplet_of.len())], random),
+                _ => advanced(&list, &droplet_of, &last_done(&courses), random),
             };
             idle += 1;
             let Ok(found) = planner.courses(&other, first.terms) else { continue };
             if self.key(&found) < self.key(&courses) {
                 idle = 0;
-                held.offer(AssayPlan::costs(&found), self.least);
+                progress.offer(AssayPlan::costs(&found), self.least);
             }
             if self.key(&found) <= self.key(&courses) {
                 (courses, list) = (found, other);
@@ -251,7 +251,7 @@ impl Improvement {
 }
 
 /// Least steps of each agent alone, and at least one more than those of its children.
-fn lengths(problem: &AssayProblem, ahead: &Ahead) -> Vec<u64> {
+fn lengths(problem: &AssayProblem, ahead: &StopDistances) -> Vec<u64> {
     let agents = 0..problem.errands.len();
     let mut lengths: Vec<u64> = agents.clone().map(|agent| length(problem, ahead, agent)).collect();
     // A parent comes earlier in the list than its children.
@@ -264,7 +264,7 @@ fn lengths(problem: &AssayProblem, ahead: &Ahead) -> Vec<u64> {
 }
 
 /// Least steps of an agent alone.
-fn length(problem: &AssayProblem, ahead: &Ahead, agent: usize) -> u64 {
+fn length(problem: &AssayProblem, ahead: &StopDistances, agent: usize) -> u64 {
     let mut from = problem.instance.agents[agent].start;
     let mut steps = 0;
     for (index, errand) in problem.errands[agent].iter().enumerate() {
@@ -290,10 +290,11 @@ pub(super) fn moved_to(list: &[usize], from: usize, to: usize) -> Vec<usize> {
 }
 
 /// The list with all agents of one droplet moved forward together. The droplet is that of a random agent among `some`.
-fn advanced(list: &[usize], drops: &[usize], some: &[usize], random: &mut SplitMix64) -> Vec<usize> {
-    let Some(drop) = some.get(below(random, some.len())).map(|agent| drops[*agent]) else { return list.to_vec() };
-    let (own, mut others): (Vec<usize>, Vec<usize>) = list.iter().partition(|agent| drops[**agent] == drop);
-    let first = list.iter().position(|agent| drops[*agent] == drop).unwrap_or(0);
+fn advanced(list: &[usize], droplet_of: &[usize], some: &[usize], random: &mut SplitMix64) -> Vec<usize> {
+    let Some(agent) = some.get(below(random, some.len())) else { return list.to_vec() };
+    let droplet = droplet_of[*agent];
+    let (own, mut others): (Vec<usize>, Vec<usize>) = list.iter().partition(|agent| droplet_of[**agent] == droplet);
+    let first = list.iter().position(|agent| droplet_of[*agent] == droplet).unwrap_or(0);
     let to = below(random, first + 1);
     others.splice(to..to, own);
     others
@@ -340,7 +341,7 @@ struct DueErrands {
 
 pub(super) struct ListPlanner<'a, 'm> {
     pub problem: &'a AssayProblem<'a>,
-    pub ahead: &'a Ahead,
+    pub ahead: &'a StopDistances,
     router: Router<'a>,
     pub bounds: &'a AssayBounds,
     /// The errands, as (agent, errand), that others wait for.
@@ -361,7 +362,7 @@ pub(super) struct Progress<'a> {
     /// By agent: the agents that it has merged with.
     past: Vec<Vec<usize>>,
     /// Agents that have split off and have no course yet, each with the instant at which it appears.
-    given_off: VecDeque<(usize, u32)>,
+    split_off: VecDeque<(usize, u32)>,
 }
 
 impl Progress<'_> {
@@ -395,8 +396,8 @@ impl Progress<'_> {
     }
 
     /// Reserves the starts of agents that have split off.
-    fn keep_given_off(&mut self, problem: &AssayProblem, instants: u32) {
-        for (agent, since) in &self.given_off {
+    fn keep_split_off(&mut self, problem: &AssayProblem, instants: u32) {
+        for (agent, since) in &self.split_off {
             let start = problem.instance.agents[*agent].start;
             self.bookings.keep(*agent, start, *since, since - 1, since.saturating_add(instants));
         }
@@ -428,7 +429,7 @@ impl Progress<'_> {
 impl<'a, 'm> ListPlanner<'a, 'm> {
     fn new(
         problem: &'a AssayProblem<'a>,
-        ahead: &'a Ahead,
+        ahead: &'a StopDistances,
         bounds: &'a AssayBounds,
         meter: &'m mut Meter,
     ) -> ListPlanner<'a, 'm> {
@@ -437,7 +438,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
     }
 
     /// Whether some agent has more than one split.
-    fn gives_off_several(&self) -> bool {
+    fn has_several_splits(&self) -> bool {
         let splits = |errands: &Vec<Errand>| errands.iter().filter(|errand| errand.splits.is_some()).count();
         self.problem.errands.iter().any(|errands| splits(errands) > 1)
     }
@@ -452,20 +453,20 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             done: vec![0; count],
             done_at: vec![Vec::new(); count],
             past: vec![Vec::new(); count],
-            given_off: VecDeque::new(),
+            split_off: VecDeque::new(),
         };
         let until = separation.saturating_mul(terms.kept_separations);
         for (agent, asked) in problem.instance.agents.iter().enumerate() {
-            if !problem.comes[agent] && problem.parents[agent].is_none() {
+            if !problem.enters[agent] && problem.parents[agent].is_none() {
                 progress.bookings.keep(agent, asked.start, 0, 0, until);
             }
         }
         loop {
             // Agents that have split off come first, since they are on the board already.
-            let given_off = progress.given_off.pop_front().map(|(agent, _)| agent);
-            let Some(agent) = given_off.or_else(|| self.next(&progress, list, terms.turns)) else { break };
-            self.go_on(&mut progress, agent, terms)?;
-            progress.keep_given_off(problem, until);
+            let split_off = progress.split_off.pop_front().map(|(agent, _)| agent);
+            let Some(agent) = split_off.or_else(|| self.next(&progress, list, terms.turns)) else { break };
+            self.extend_course(&mut progress, agent, terms)?;
+            progress.keep_split_off(problem, until);
         }
         if let Some(agent) = (0..count).find(|agent| progress.done[*agent] < problem.errands[*agent].len()) {
             return Err(agent);
@@ -504,7 +505,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
 
     /// Extends the course of an agent to its end, or to where it waits for another one; the error is the agent if it
     /// finds none.
-    fn go_on(&mut self, progress: &mut Progress, agent: usize, terms: ListTerms) -> Result<(), usize> {
+    fn extend_course(&mut self, progress: &mut Progress, agent: usize, terms: ListTerms) -> Result<(), usize> {
         let problem = self.problem;
         let first = progress.done[agent];
         let errands = &problem.errands[agent][first..];
@@ -516,7 +517,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         let start = problem.instance.agents[agent].start;
         let own = &progress.courses[agent].own;
         let (start, since) = match own.cells.last() {
-            None => (start, if problem.comes[agent] { begins[0] } else { 0 }),
+            None => (start, if problem.enters[agent] { begins[0] } else { 0 }),
             Some(last) => (*last, own.until() - 1),
         };
         let query = RouteQuery {
@@ -529,7 +530,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             held: &held,
             past: &progress.past[agent],
             is_gone,
-            comes: problem.comes[agent] && own.cells.is_empty(),
+            enters: problem.enters[agent] && own.cells.is_empty(),
             // Errands after the last one of these must be done within the limit too.
             limit: match self.limit {
                 NEVER => NEVER,
@@ -559,7 +560,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             let start = problem.instance.agents[child].start;
             let own = AgentCourse { since, cells: vec![start] };
             progress.courses[child] = BookedCourse { own, is_split_off: true, ..BookedCourse::default() };
-            progress.given_off.push_back((child, since));
+            progress.split_off.push_back((child, since));
         }
         for (errand, waited) in errands.iter().zip(&waits) {
             if let (Some(other), Some(_)) = (errand.meets, waited) {

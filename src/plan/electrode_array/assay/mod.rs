@@ -10,7 +10,7 @@
 //! an agent that finds no course moves to the front of the next list. Besides the order of the list there is the order
 //! of time, in which no agent enters the board or goes to a meeting long before it is needed there (`turns`). Then
 //! local search: lists with agents moved are kept if they are no worse (`lists`). Where no list yields a plan, agents
-//! that would block others step aside (`aside`); where that does not help, or where agents leave traces, droplets are
+//! that would block others step aside (`detours`); where that does not help, or where agents leave traces, droplets are
 //! replanned one by one and negotiate about cells (`negotiated`). Then random lists are tried. Where no plan is found,
 //! or the plan may have too many steps, a few agents are planned jointly (`joint`).
 //!
@@ -19,10 +19,10 @@
 //! Otherwise neither is guaranteed. Cost: one step of the budget is one expanded node of the search for one course, or
 //! one joint position of several agents; with many agents, their courses are charged too.
 
-mod aside;
 mod bookings;
 mod bound;
 mod channels;
+mod detours;
 mod joint;
 mod lags;
 mod lists;
@@ -32,7 +32,7 @@ mod route;
 mod traces;
 mod turns;
 
-use super::board::{BoardCosts, BoardObjective, CellIndex, HeldBoardPlan, Instance, NoBoardPlan};
+use super::board::{BoardCosts, BoardObjective, BoardPlanProgress, CellIndex, Instance, NoBoardPlan};
 use super::fast;
 use crate::plan::search::{Meter, SearchAnswer};
 pub use bound::{LoopRoom, families, steps_between};
@@ -101,7 +101,7 @@ pub struct AssayProblem<'a> {
     pub instance: &'a Instance,
     /// For each agent, whether it enters the board at an instant that the plan chooses; it then appears at its start,
     /// where its first errand is a stay.
-    pub comes: Vec<bool>,
+    pub enters: Vec<bool>,
     /// For each agent its parent, if it enters by a split. It then appears at its start, which is the stop of its first
     /// errand.
     pub parents: Vec<Option<usize>>,
@@ -122,7 +122,7 @@ pub struct AssayProblem<'a> {
     /// before lasts until then.
     pub releases: Vec<Vec<u32>>,
     /// Schedules that ignore conflicts between agents: by agent and errand, the instant at which it begins.
-    pub papers: Vec<Vec<Vec<u32>>>,
+    pub relaxed_schedules: Vec<Vec<Vec<u32>>>,
     /// For each agent, whether it is gone after its last errand: it merges into the agent that it meets there, or
     /// leaves the board.
     pub is_gone: Vec<bool>,
@@ -189,8 +189,8 @@ impl AssayProblem<'_> {
                 (Some(before), _) if self.errands[place.agent][before].stop == errand.stop => {
                     ErrandPlace { errand: before, ..place }
                 }
-                (None, Some(_)) => self.given_off_by(place.agent)?,
-                (None, None) if !self.comes[place.agent] && self.instance.agents[place.agent].start == errand.stop => {
+                (None, Some(_)) => self.split_of(place.agent)?,
+                (None, None) if !self.enters[place.agent] && self.instance.agents[place.agent].start == errand.stop => {
                     return None;
                 }
                 _ => return Some((place, until)),
@@ -214,10 +214,10 @@ impl AssayProblem<'_> {
     }
 
     /// The errand of the parent in which an agent splits off; `None` if it enters otherwise.
-    fn given_off_by(&self, agent: usize) -> Option<ErrandPlace> {
+    fn split_of(&self, agent: usize) -> Option<ErrandPlace> {
         let parent = self.parents[agent]?;
-        let gives_off = |errand: &Errand| errand.splits.is_some_and(|split| split.child == agent);
-        Some(ErrandPlace { agent: parent, errand: self.errands[parent].iter().position(gives_off)? })
+        let is_split = |errand: &Errand| errand.splits.is_some_and(|split| split.child == agent);
+        Some(ErrandPlace { agent: parent, errand: self.errands[parent].iter().position(is_split)? })
     }
 
     /// The release of an errand; 0 if it has none.
@@ -275,17 +275,17 @@ pub enum NoAssayPlan {
 /// Lower bounds on every plan of an assay, or an immediate proof that there is none.
 pub fn bounds(problem: &AssayProblem, meter: &mut Meter) -> Result<BoardCosts, NoAssayPlan> {
     let mut distances = fast::Distances::of(&problem.instance.board);
-    Ok(looked_ahead(problem, &mut distances, meter)?.1.costs)
+    Ok(distances_and_bounds(problem, &mut distances, meter)?.1.costs)
 }
 
 /// The distances to all stops, with the lower bounds that follow from them.
-fn looked_ahead(
+fn distances_and_bounds(
     problem: &AssayProblem,
     distances: &mut fast::Distances,
     meter: &mut Meter,
-) -> Result<(route::Ahead, bound::AssayBounds), NoAssayPlan> {
+) -> Result<(route::StopDistances, bound::AssayBounds), NoAssayPlan> {
     fast::bounds(problem.instance).map_err(NoAssayPlan::Alone)?;
-    let ahead = route::Ahead::new(problem, distances, meter);
+    let ahead = route::StopDistances::new(problem, distances, meter);
     let least = bound::least(problem, &ahead);
     match lags::hopeless(problem, &ahead) {
         Some(ErrandPlace { agent, errand }) => {
@@ -297,20 +297,20 @@ fn looked_ahead(
 }
 
 /// 1/N of the remaining budget is for random lists, where the joint search gets the rest.
-const CHANCE_SHARE: u64 = 3;
+const RANDOM_LISTS_SHARE: u64 = 3;
 
 /// 1/N of the remaining budget is for negotiation: where the joint search gets the rest, and elsewhere.
 const NEGOTIATED_SHARE_OF_FEW: u64 = 16;
 const NEGOTIATED_SHARE: u64 = 3;
 
 /// 1/N of the remaining budget is for the joint search that ignores traces.
-const CAREFREE_SHARE: u64 = 3;
+const WITHOUT_TRACES_SHARE: u64 = 3;
 
 /// 1/N of the remaining budget is for the least sum of costs by joint search.
 const SUM_SHARE: u64 = 2;
 
 /// 1/N of the share for negotiation is for lists that ignore traces; negotiation begins with their order.
-const CAREFREE_LISTS_SHARE: u64 = 16;
+const LISTS_WITHOUT_TRACES_SHARE: u64 = 16;
 
 /// Search effort.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -331,8 +331,8 @@ pub fn solve(
     meter: &mut Meter,
 ) -> SearchAnswer<AssayPlan, NoAssayPlan, BoardCosts> {
     let mut distances = fast::Distances::of(&problem.instance.board);
-    let (ahead, least) = match looked_ahead(problem, &mut distances, meter) {
-        Ok(looked) => looked,
+    let (ahead, least) = match distances_and_bounds(problem, &mut distances, meter) {
+        Ok(known) => known,
         Err(why) => return SearchAnswer::Impossible(why),
     };
     let by_lists = match effort {
@@ -370,7 +370,7 @@ type KnownCourses = (Option<Vec<AgentCourse>>, BoardCosts);
 /// gives up, returns the known courses.
 fn least_sum(
     problem: &AssayProblem,
-    ahead: &route::Ahead,
+    ahead: &route::StopDistances,
     known: Option<Vec<AgentCourse>>,
     mut bounds: BoardCosts,
     meter: &mut Meter,
@@ -406,7 +406,7 @@ fn better(
 /// counts only if its sum is smaller.
 fn fewer_steps(
     problem: &AssayProblem,
-    ahead: &route::Ahead,
+    ahead: &route::StopDistances,
     known: Option<Vec<AgentCourse>>,
     bounds: BoardCosts,
     objective: BoardObjective,
@@ -417,8 +417,8 @@ fn fewer_steps(
     if steps == Some(bounds.makespan) {
         return found(known, bounds);
     }
-    let begin = |courses: &Vec<AgentCourse>| HeldBoardPlan::begin(objective, AssayPlan::costs(courses), bounds);
-    let _held = known.as_ref().map(begin);
+    let begin = |courses: &Vec<AgentCourse>| BoardPlanProgress::begin(objective, AssayPlan::costs(courses), bounds);
+    let _progress = known.as_ref().map(begin);
     // Only plans of fewer steps than the known one matter.
     let below = if let AssayEffort::Below(steps) = effort { Some(steps) } else { steps };
     let limit = below.and_then(|steps| u32::try_from(steps.checked_sub(1)?).ok()).unwrap_or(u32::MAX);
@@ -439,15 +439,15 @@ fn fewer_steps(
 /// Courses that were planned one after the other, in some order.
 fn in_order(
     problem: &AssayProblem,
-    ahead: &route::Ahead,
+    ahead: &route::StopDistances,
     objective: BoardObjective,
     least: &bound::AssayBounds,
     distances: &mut fast::Distances,
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
     let listed = lags::by_lists(problem, ahead, objective, least, meter)
-        .and_then(|courses| aside::as_replayed(problem, courses))
-        .or_else(|| aside::by_lists(problem, objective, least, distances, meter));
+        .and_then(|courses| detours::as_replayed(problem, courses))
+        .or_else(|| detours::by_lists(problem, objective, least, distances, meter));
     // With traces, lists yield long detours, if they yield a plan at all.
     let negotiated = match &listed {
         Some(courses) if problem.traces.is_none() || AssayPlan::is_least(courses, objective, least.costs) => None,
@@ -455,21 +455,21 @@ fn in_order(
             let part = if joint::takes(problem) { NEGOTIATED_SHARE_OF_FEW } else { NEGOTIATED_SHARE };
             let share = meter.left().steps / part;
             // Without traces these lists were tried already.
-            let carefree = problem.traces.as_ref().and_then(|_| {
-                let carefree = AssayProblem { traces: None, ..problem.clone() };
-                meter.share(share / CAREFREE_LISTS_SHARE, |meter| {
-                    lags::by_lists(&carefree, ahead, objective, least, meter)
+            let without_traces = problem.traces.as_ref().and_then(|_| {
+                let without_traces = AssayProblem { traces: None, ..problem.clone() };
+                meter.share(share / LISTS_WITHOUT_TRACES_SHARE, |meter| {
+                    lags::by_lists(&without_traces, ahead, objective, least, meter)
                 })
             });
-            let known: Vec<_> = listed.iter().cloned().chain(carefree).collect();
+            let known: Vec<_> = listed.iter().cloned().chain(without_traces).collect();
             meter.share(share, |meter| negotiated::best(problem, ahead, &known, objective, least, meter))
         }
     };
     let key = |courses: &Vec<AgentCourse>| AssayPlan::costs(courses).key(objective);
     listed.into_iter().chain(negotiated).min_by_key(key).or_else(|| {
         let steps = meter.left().steps;
-        let share = if joint::takes(problem) { steps / CHANCE_SHARE } else { steps };
-        meter.share(share, |meter| aside::by_chance(problem, objective, least, distances, meter))
+        let share = if joint::takes(problem) { steps / RANDOM_LISTS_SHARE } else { steps };
+        meter.share(share, |meter| detours::by_random_lists(problem, objective, least, distances, meter))
     })
 }
 
@@ -478,15 +478,15 @@ fn in_order(
 /// traces.
 fn fewest_steps(
     problem: &AssayProblem,
-    ahead: &route::Ahead,
+    ahead: &route::StopDistances,
     limit: u32,
     meter: &mut Meter,
 ) -> SearchAnswer<Vec<AgentCourse>, Vec<Vec<CellIndex>>, u32> {
     let terms = JointTerms { objective: BoardObjective::Makespan, limit };
     if let Some(traces) = &problem.traces {
-        let carefree = AssayProblem { traces: None, ..problem.clone() };
-        let share = meter.left().steps / CAREFREE_SHARE;
-        match meter.share(share, |meter| joint::least(&carefree, ahead, terms, meter)) {
+        let without_traces = AssayProblem { traces: None, ..problem.clone() };
+        let share = meter.left().steps / WITHOUT_TRACES_SHARE;
+        match meter.share(share, |meter| joint::least(&without_traces, ahead, terms, meter)) {
             SearchAnswer::Found(courses) if traces.harmed(problem, &courses).is_none() => {
                 return SearchAnswer::Found(courses);
             }

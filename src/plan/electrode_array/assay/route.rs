@@ -7,7 +7,7 @@
 //! guaranteed: that a course is found if all of them leave a stop early and do the errand later. Cost: one step for
 //! each expanded node.
 
-use super::bookings::{Asking, Bookings, FreeSpan, NEVER};
+use super::bookings::{Bookings, FreeSpan, NEVER, SpanQuery};
 use super::{AssayProblem, Errand, SplitErrand};
 use crate::plan::electrode_array::board::CellIndex;
 use crate::plan::electrode_array::fast::{DistanceField, Distances, UNREACHABLE};
@@ -23,16 +23,18 @@ const NONE: u32 = u32::MAX;
 const KEPT_SEPARATIONS: u32 = 3;
 
 /// The distances to the stops of all agents.
-pub(super) struct Ahead {
+pub(super) struct StopDistances {
     /// By agent and errand.
     fields: Vec<Vec<DistanceField>>,
 }
 
-impl Ahead {
-    pub(super) fn new(problem: &AssayProblem, distances: &mut Distances, meter: &mut Meter) -> Ahead {
+impl StopDistances {
+    pub(super) fn new(problem: &AssayProblem, distances: &mut Distances, meter: &mut Meter) -> StopDistances {
         let board = &problem.instance.board;
         let mut field = |errand: &Errand| distances.to(board, errand.stop, meter);
-        Ahead { fields: problem.errands.iter().map(|errands| errands.iter().map(&mut field).collect()).collect() }
+        StopDistances {
+            fields: problem.errands.iter().map(|errands| errands.iter().map(&mut field).collect()).collect(),
+        }
     }
 
     /// Least steps from a cell to the stop of an errand; a lower bound, since other agents are ignored.
@@ -63,7 +65,7 @@ pub(super) struct RouteQuery<'q> {
     /// Whether the agent is gone where the course ends.
     pub is_gone: bool,
     /// Whether it enters the board at an instant, not before `since`, that the search chooses.
-    pub comes: bool,
+    pub enters: bool,
     /// Latest end.
     pub limit: u32,
 }
@@ -112,7 +114,7 @@ struct RouteNode {
 /// The search, with buffers that consecutive searches reuse.
 pub(super) struct Router<'a> {
     problem: &'a AssayProblem<'a>,
-    ahead: &'a Ahead,
+    ahead: &'a StopDistances,
     spans: Vec<FreeSpan>,
     /// By cell and stage of the search: the range of its spans in `spans`.
     listed: FxHashMap<(CellIndex, u32), (u32, u32)>,
@@ -125,12 +127,12 @@ pub(super) struct Router<'a> {
 }
 
 impl<'a> Router<'a> {
-    pub(super) fn new(problem: &'a AssayProblem<'a>, ahead: &'a Ahead) -> Router<'a> {
+    pub(super) fn new(problem: &'a AssayProblem<'a>, ahead: &'a StopDistances) -> Router<'a> {
         let instance = problem.instance;
         let mut is_wanted = vec![false; instance.board.cells()];
-        let comes = instance.agents.iter().zip(&problem.comes).filter(|(_, comes)| **comes);
+        let enters = instance.agents.iter().zip(&problem.enters).filter(|(_, enters)| **enters);
         let loops = problem.loops.iter().flatten().copied();
-        for cell in comes.map(|(agent, _)| agent.start).chain(loops) {
+        for cell in enters.map(|(agent, _)| agent.start).chain(loops) {
             for near in instance.board.around(cell, instance.separation) {
                 is_wanted[near as usize] = true;
             }
@@ -200,8 +202,8 @@ impl<'a> Router<'a> {
 
     /// The free spans in which a course may begin, each with its first possible instant.
     fn starts(&mut self, search: &RouteSearch, bookings: &Bookings) -> Vec<(u32, u32)> {
-        let RouteQuery { start, since, comes, .. } = *search.query;
-        if !comes {
+        let RouteQuery { start, since, enters, .. } = *search.query;
+        if !enters {
             return self.span_at(search, bookings, start, 0, since).map(|span| (span, since)).into_iter().collect();
         }
         let (first, end) = self.list(search, bookings, start, 0);
@@ -210,7 +212,11 @@ impl<'a> Router<'a> {
         let earliest = |span: u32| {
             let from = self.spans[span as usize].from;
             let at_once = from.saturating_sub(1).max(since);
-            if bookings.does_harm(start, search.asking(self.problem, 0), at_once) { from.max(since) } else { at_once }
+            if bookings.does_harm(start, search.span_query(self.problem, 0), at_once) {
+                from.max(since)
+            } else {
+                at_once
+            }
         };
         (first..end).map(|span| (span, earliest(span))).collect()
     }
@@ -228,7 +234,7 @@ impl<'a> Router<'a> {
             return *known;
         }
         let first = self.spans.len() as u32;
-        bookings.free(cell, search.asking(self.problem, done), &mut self.spans);
+        bookings.free(cell, search.span_query(self.problem, done), &mut self.spans);
         let range = (first, self.spans.len() as u32);
         self.listed.insert((cell, stage), range);
         range
@@ -303,7 +309,7 @@ impl<'a> Router<'a> {
                 (Some(_), Some(_) | None) => return,
                 (None, _) if from.saturating_add(errand.stay) < to => from + errand.stay,
                 // An agent that enters must be dispensed first.
-                (None, _) if search.query.comes && node.done == 0 => return,
+                (None, _) if search.query.enters && node.done == 0 => return,
                 (None, _) => break,
             };
             let Some(span) = self.span_at(search, bookings, node.cell, node.done + 1, at) else { return };
@@ -384,14 +390,14 @@ impl<'a> Router<'a> {
         split: SplitErrand,
     ) {
         let leave = self.spans[node.span as usize].to;
-        let comes = self.problem.instance.agents[split.child].start;
+        let child_start = self.problem.instance.agents[split.child].start;
         let parent = self.nodes.len() as u32;
         self.nodes.push(*node);
         // An agent that it meets next keeps away until the split is done.
         let (first, end) = self.list(search, bookings, errand.stop, node.done);
         for span in first..end {
             let FreeSpan { from, to } = self.spans[span as usize];
-            let (first, end) = self.list(search, bookings, comes, node.done);
+            let (first, end) = self.list(search, bookings, child_start, node.done);
             let both = (first..end).map(|child| self.spans[child as usize]).find_map(|child| {
                 let at = from.max(child.from).max(node.at + 1).max(search.begins(node.done).saturating_add(1));
                 (at < to.min(child.to)).then_some(at)
@@ -416,18 +422,18 @@ impl<'a> Router<'a> {
     }
 
     fn found(&self, end: u32, search: &RouteSearch) -> Course {
-        let RouteQuery { since, comes, .. } = *search.query;
+        let RouteQuery { since, enters, .. } = *search.query;
         let mut chain = vec![self.nodes[end as usize]];
         while let Some(node) = chain.last().filter(|node| node.parent != NONE) {
             chain.push(self.nodes[node.parent as usize]);
         }
         // An agent enters no earlier than it must to leave its start when it does.
         let (mut came, mut ready) = (since, chain[0].ready);
-        if let ([.., next, first], true) = (chain.as_slice(), comes) {
+        if let ([.., next, first], true) = (chain.as_slice(), enters) {
             let idle = (next.entered - 1 - first.at).min(self.latest_dispensed(search, first) - first.at);
             ready += if ready <= first.at { idle } else { 0 };
             came = first.entered + idle;
-        } else if comes {
+        } else if enters {
             came = chain[0].entered;
         }
         let mut cells: Vec<CellIndex> = Vec::new();
@@ -453,7 +459,7 @@ impl<'a> Router<'a> {
 /// A query with the data that the search derives from it.
 struct RouteSearch<'q> {
     query: &'q RouteQuery<'q>,
-    ahead: &'q Ahead,
+    ahead: &'q StopDistances,
     errands: &'q [Errand],
     /// Least steps from the end of each errand to the end of the course.
     rest: Vec<u32>,
@@ -466,7 +472,7 @@ struct RouteSearch<'q> {
 }
 
 impl<'q> RouteSearch<'q> {
-    fn new(problem: &'q AssayProblem, ahead: &'q Ahead, query: &'q RouteQuery<'q>) -> RouteSearch<'q> {
+    fn new(problem: &'q AssayProblem, ahead: &'q StopDistances, query: &'q RouteQuery<'q>) -> RouteSearch<'q> {
         let errands = &problem.errands[query.agent][query.first..query.first + query.waits.len()];
         let mut rest = vec![0u32; errands.len()];
         for index in (1..errands.len()).rev() {
@@ -500,10 +506,10 @@ impl<'q> RouteSearch<'q> {
         self.stages[done as usize]
     }
 
-    /// The view of the agent in which free spans are listed.
-    fn asking(&self, problem: &AssayProblem, done: u32) -> Asking<'_> {
+    /// The query by which free spans are listed.
+    fn span_query(&self, problem: &AssayProblem, done: u32) -> SpanQuery<'_> {
         let content = self.content(problem, done as usize);
-        Asking {
+        SpanQuery {
             agent: self.query.agent,
             past: self.query.past,
             met: &self.meetings[..self.met[done as usize]],

@@ -54,7 +54,7 @@ impl ListPlanner<'_, '_> {
     /// Whether an agent is at its next meeting with another one, but does not wait there yet.
     fn is_there_already(&self, progress: &Progress, agent: usize, other: usize) -> bool {
         let next = self.problem.errands[agent].get(progress.done[agent]);
-        let start = Some(self.problem.instance.agents[agent].start).filter(|_| !self.problem.comes[agent]);
+        let start = Some(self.problem.instance.agents[agent].start).filter(|_| !self.problem.enters[agent]);
         let here = progress.courses[agent].own.cells.last().copied().or(start);
         next.is_some_and(|errand| errand.meets == Some(other) && Some(errand.stop) == here)
             && self.can_go_on(progress, agent)
@@ -65,7 +65,7 @@ impl ListPlanner<'_, '_> {
     fn goes_on_at(&self, progress: &Progress, agent: usize) -> (bool, u32) {
         let (problem, own) = (self.problem, &progress.courses[agent].own);
         let begins = progress.begins(problem, agent, progress.done[agent]).unwrap_or(0);
-        if !problem.comes[agent] || !own.cells.is_empty() {
+        if !problem.enters[agent] || !own.cells.is_empty() {
             return (false, begins.max(own.until().saturating_sub(1)));
         }
         let errands = problem.errands[agent].iter().enumerate();
@@ -83,10 +83,10 @@ impl ListPlanner<'_, '_> {
         let mut best: Option<Course> = None;
         if let Some((due, way)) = self.due(&query) {
             // It must be able to stay where it is until it sets off.
-            let free = if query.comes { NEVER } else { self.start_is_free_until(&query, bookings) };
+            let free = if query.enters { NEVER } else { self.start_is_free_until(&query, bookings) };
             for early in EARLY {
                 let end = best.as_ref().map_or(u32::MAX, Course::end);
-                if best.is_some() && (!query.comes || end <= due.saturating_add(PUNCTUAL)) {
+                if best.is_some() && (!query.enters || end <= due.saturating_add(PUNCTUAL)) {
                     break;
                 }
                 let since = query.since.max(due.saturating_sub(way.saturating_add(early)));
@@ -99,7 +99,7 @@ impl ListPlanner<'_, '_> {
         }
         match best {
             // It stays where it is before that.
-            Some(course) if !query.comes => {
+            Some(course) if !query.enters => {
                 let stays = (query.since..course.since).map(|_| query.start);
                 let cells = stays.chain(course.cells.iter().copied()).collect();
                 Some(Course { since: query.since, cells, ..course })
@@ -114,7 +114,7 @@ impl ListPlanner<'_, '_> {
     fn due(&self, query: &RouteQuery) -> Option<(u32, u32)> {
         let errands = &self.problem.errands[query.agent][query.first..];
         let waits = |place: usize| query.waits[place].unwrap_or(0).max(query.begins[place]);
-        let (place, due) = match query.comes {
+        let (place, due) = match query.enters {
             true => (0..query.waits.len()).find_map(|place| Some((place, query.waits[place]?)))?,
             false => Some((0, waits(0))).filter(|(_, due)| *due > query.since.saturating_add(SHORT_WAIT))?,
         };

@@ -5,9 +5,9 @@
 //! electrode acts on an agent that stands on it or on one of the eight cells around it, before or after the step. A
 //! step is possible if no electrode that is on acts on its agent except the one at its end. Two steps are compatible if
 //! the same holds for both agents with the electrodes of both steps on. So there is one predicate for a single step
-//! ([`SharedChannels::tears`]) and one for a pair ([`SharedChannels::clash`]), and no other is needed for any number of
-//! agents. Valid for droplets only; the separation, at least 2, takes care of the electrodes at the ends themselves.
-//! Cost: at most eighteen cells around a step are read.
+//! ([`SharedChannels::tears_apart`]) and one for a pair ([`SharedChannels::clash`]), and no other is needed for any
+//! number of agents. Valid for droplets only; the separation, at least 2, takes care of the electrodes at the ends
+//! themselves. Cost: at most eighteen cells around a step are read.
 
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Hold};
 use fixedbitset::FixedBitSet;
@@ -30,12 +30,12 @@ impl AgentStep {
     }
 }
 
-/// A step whose agent may be split: `meant` is the second electrode that acts on it on purpose, besides the one at its
-/// end.
+/// A step whose agent may be split: `split_electrode` is the second electrode that acts on it on purpose, besides the
+/// one at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PulledStep {
     pub step: AgentStep,
-    pub meant: Option<ElectrodeIndex>,
+    pub split_electrode: Option<ElectrodeIndex>,
 }
 
 /// The shared channels of a board, and their restrictions by parts that do not move.
@@ -54,7 +54,7 @@ pub struct SharedChannels {
     /// By channel: whether it is always on, since it holds a part that stays.
     held: FixedBitSet,
     /// Whether a channel is both held and barred, so that no step is possible on the board.
-    is_torn: bool,
+    is_board_torn: bool,
 }
 
 impl SharedChannels {
@@ -83,7 +83,7 @@ impl SharedChannels {
             stuck: Vec::new(),
             barred: FixedBitSet::with_capacity(channels),
             held: FixedBitSet::with_capacity(channels),
-            is_torn: false,
+            is_board_torn: false,
         }
     }
 
@@ -99,13 +99,13 @@ impl SharedChannels {
         let beside = |at: ElectrodeIndex| self.reach(at).filter(move |cell| *cell != at);
         let near = standing.iter().flat_map(|at| beside(*at)).chain(self.stuck.iter().flat_map(|at| self.reach(*at)));
         near.filter_map(|cell| self.number(cell)).for_each(|number| same.barred.insert(number));
-        same.is_torn = same.held.intersection(&same.barred).next().is_some();
+        same.is_board_torn = same.held.intersection(&same.barred).next().is_some();
         same
     }
 
     /// Whether parts can rest together at some cells while nothing else moves.
     pub fn may_rest(&self, cells: &[ElectrodeIndex]) -> bool {
-        !self.with_standing(cells).is_torn
+        !self.with_standing(cells).is_board_torn
     }
 
     fn number(&self, cell: ElectrodeIndex) -> Option<usize> {
@@ -122,10 +122,10 @@ impl SharedChannels {
     }
 
     /// Whether channels that are on act on an agent in a step, other than by the electrode at its end and those in
-    /// `meant`.
-    fn acts(&self, step: AgentStep, meant: [Option<ElectrodeIndex>; 2], is_on: impl Fn(usize) -> bool) -> bool {
+    /// `exempt`.
+    fn acts(&self, step: AgentStep, exempt: [Option<ElectrodeIndex>; 2], is_on: impl Fn(usize) -> bool) -> bool {
         let mut reach = self.reach(step.from).chain(self.reach(step.to));
-        reach.any(|cell| cell != step.to && !meant.contains(&Some(cell)) && self.number(cell).is_some_and(&is_on))
+        reach.any(|cell| cell != step.to && !exempt.contains(&Some(cell)) && self.number(cell).is_some_and(&is_on))
     }
 
     /// The shared channel that a step switches on.
@@ -135,23 +135,23 @@ impl SharedChannels {
     }
 
     /// Whether a step is impossible even for an agent alone.
-    pub fn tears(&self, step: AgentStep) -> bool {
-        self.tears_pulled(PulledStep { step, meant: None })
+    pub fn tears_apart(&self, step: AgentStep) -> bool {
+        self.tears_apart_pulled(PulledStep { step, split_electrode: None })
     }
 
     /// The same for an agent that may be split.
-    pub fn tears_pulled(&self, pulled: PulledStep) -> bool {
-        let PulledStep { step, meant } = pulled;
+    pub fn tears_apart_pulled(&self, pulled: PulledStep) -> bool {
+        let PulledStep { step, split_electrode } = pulled;
         let own = self.on_in(step);
-        self.is_torn
+        self.is_board_torn
             || own.is_some_and(|own| self.barred.contains(own))
-            || self.acts(step, [meant, None], |number| Some(number) == own || self.held.contains(number))
+            || self.acts(step, [split_electrode, None], |number| Some(number) == own || self.held.contains(number))
     }
 
     /// Whether two simultaneous steps exclude each other: an electrode that is on for one acts on the agent of the
     /// other.
     pub fn clash(&self, one: AgentStep, other: AgentStep) -> bool {
-        let [one, other] = [one, other].map(|step| PulledStep { step, meant: None });
+        let [one, other] = [one, other].map(|step| PulledStep { step, split_electrode: None });
         self.clash_pulled(one, other)
     }
 
@@ -160,7 +160,7 @@ impl SharedChannels {
         let disturbs = |one: AgentStep, other: PulledStep| {
             let own = self.on_in(one);
             // The separation keeps the first agent's own electrode away from the other agent.
-            own.is_some() && self.acts(other.step, [Some(one.to), other.meant], |number| Some(number) == own)
+            own.is_some() && self.acts(other.step, [Some(one.to), other.split_electrode], |number| Some(number) == own)
         };
         disturbs(one.step, other) || disturbs(other.step, one)
     }
@@ -169,7 +169,7 @@ impl SharedChannels {
     pub fn go_together(&self, steps: &[PulledStep]) -> bool {
         let is_possible = |nth: usize| {
             let is_clear = |other: &PulledStep| !self.clash_pulled(steps[nth], *other);
-            !self.tears_pulled(steps[nth]) && steps[..nth].iter().all(is_clear)
+            !self.tears_apart_pulled(steps[nth]) && steps[..nth].iter().all(is_clear)
         };
         (0..steps.len()).all(is_possible)
     }

@@ -10,7 +10,7 @@ pub fn are_kept_by_paths(instance: &Instance, paths: &Paths) -> bool {
     (0..end).all(|instant| {
         let step = |path: &Vec<CellIndex>| PulledStep {
             step: AgentStep { from: position(path, instant), to: position(path, instant + 1) },
-            meant: None,
+            split_electrode: None,
         };
         channels.go_together(&paths.iter().map(step).collect::<Vec<_>>())
     })

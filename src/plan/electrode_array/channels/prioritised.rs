@@ -8,7 +8,7 @@
 use super::are_kept_by_paths;
 use super::broadcast::{AgentStep, SharedChannels};
 use crate::plan::electrode_array::board::{BoardCosts, BoardObjective, CellIndex, Paths, position};
-use crate::plan::electrode_array::exact::field::{ExactTables, StagedCell};
+use crate::plan::electrode_array::exact::tables::{ExactTables, StagedCell};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
 use rustc_hash::FxHashSet;
@@ -18,22 +18,22 @@ const ORDERS: usize = 24;
 
 /// The best plan over several orders; `None` if no order yields one within the limit on the steps.
 pub fn first(
-    field: &ExactTables,
+    tables: &ExactTables,
     channels: &SharedChannels,
     objective: BoardObjective,
     limit: Option<u64>,
     meter: &mut Meter,
 ) -> Option<Paths> {
     let mut random = SplitMix64::new(1);
-    let mut order: Vec<usize> = (0..field.agents()).collect();
+    let mut order: Vec<usize> = (0..tables.agents()).collect();
     let mut best: Option<Paths> = None;
     for turn in 0..ORDERS {
         match turn {
             0 => {}
-            1 => order.sort_by_key(|agent| std::cmp::Reverse(field.least(*agent))),
+            1 => order.sort_by_key(|agent| std::cmp::Reverse(tables.least(*agent))),
             _ => random.shuffle(&mut order),
         }
-        let Some(paths) = in_order(field, channels, &order, meter) else {
+        let Some(paths) = in_order(tables, channels, &order, meter) else {
             if meter.left().steps == 0 {
                 break;
             }
@@ -42,7 +42,7 @@ pub fn first(
         let costs = BoardCosts::of(&paths);
         let is_better = best.as_ref().is_none_or(|best| costs.key(objective) < BoardCosts::of(best).key(objective));
         let keeps = limit.is_none_or(|limit| costs.makespan <= limit);
-        if is_better && keeps && are_kept_by_paths(field.instance, &paths) {
+        if is_better && keeps && are_kept_by_paths(tables.instance, &paths) {
             best = Some(paths);
         }
     }
@@ -50,8 +50,8 @@ pub fn first(
 }
 
 /// The plan of one order.
-fn in_order(field: &ExactTables, channels: &SharedChannels, order: &[usize], meter: &mut Meter) -> Option<Paths> {
-    let mut turns = OrderedTurns { field, channels, known: Vec::with_capacity(order.len()) };
+fn in_order(tables: &ExactTables, channels: &SharedChannels, order: &[usize], meter: &mut Meter) -> Option<Paths> {
+    let mut turns = OrderedTurns { tables, channels, known: Vec::with_capacity(order.len()) };
     for agent in order {
         let path = turns.path(*agent, meter)?;
         turns.known.push((*agent, path));
@@ -62,7 +62,7 @@ fn in_order(field: &ExactTables, channels: &SharedChannels, order: &[usize], met
 }
 
 struct OrderedTurns<'a> {
-    field: &'a ExactTables<'a>,
+    tables: &'a ExactTables<'a>,
     channels: &'a SharedChannels,
     /// The agents planned so far, with their paths.
     known: Vec<(usize, Vec<CellIndex>)>,
@@ -74,7 +74,7 @@ impl OrderedTurns<'_> {
         let end = self.known.iter().map(|(_, path)| path.len() - 1).max().unwrap_or(0);
         let may_outlast = self.may_outlast();
         // By instant, the nodes where it can be, each with the index of its predecessor.
-        let mut layers: Vec<Vec<(StagedCell, usize)>> = vec![vec![(self.field.start(agent), 0)]];
+        let mut layers: Vec<Vec<(StagedCell, usize)>> = vec![vec![(self.tables.start(agent), 0)]];
         let mut settled: FxHashSet<StagedCell> = FxHashSet::default();
         loop {
             let instant = layers.len() - 1;
@@ -88,10 +88,10 @@ impl OrderedTurns<'_> {
             let mut met: FxHashSet<StagedCell> = FxHashSet::default();
             let mut next = Vec::new();
             for (before, (node, _)) in here.iter().enumerate() {
-                for to in self.field.next(agent, *node) {
+                for to in self.tables.next(agent, *node) {
                     meter.charge(self.known.len() as u64);
                     meter.step()?;
-                    let cells = [*node, to].map(|node| self.field.cell(node));
+                    let cells = [*node, to].map(|node| self.tables.cell(node));
                     if !met.contains(&to) && !settled.contains(&to) && self.fits(agent, cells, instant) {
                         met.insert(to);
                         next.push((to, before));
@@ -114,7 +114,7 @@ impl OrderedTurns<'_> {
         let rest = |(_, path): &(usize, Vec<CellIndex>)| AgentStep::rest(path[path.len() - 1]);
         let rests: Vec<AgentStep> = self.known.iter().map(rest).collect();
         let goes = |nth: usize| {
-            !self.channels.tears(rests[nth])
+            !self.channels.tears_apart(rests[nth])
                 && rests[..nth].iter().all(|other| !self.channels.clash(rests[nth], *other))
         };
         (0..rests.len()).all(goes)
@@ -122,17 +122,18 @@ impl OrderedTurns<'_> {
 
     /// Whether an agent is at its goal and can stay there during some instants.
     fn rests(&self, agent: usize, node: StagedCell, mut instants: std::ops::Range<usize>) -> bool {
-        let cell = self.field.cell(node);
-        node == self.field.goal(agent)
-            && instants
-                .all(|instant| !self.channels.tears(AgentStep::rest(cell)) && self.fits(agent, [cell, cell], instant))
+        let cell = self.tables.cell(node);
+        node == self.tables.goal(agent)
+            && instants.all(|instant| {
+                !self.channels.tears_apart(AgentStep::rest(cell)) && self.fits(agent, [cell, cell], instant)
+            })
     }
 
     /// Whether a step at an instant is compatible with those of the agents planned so far.
     fn fits(&self, agent: usize, [from, to]: [CellIndex; 2], instant: usize) -> bool {
         self.known.iter().all(|(other, path)| {
             let [theirs, next] = [instant, instant + 1].map(|instant| position(path, instant));
-            let near = |own: CellIndex, their: CellIndex| self.field.too_near(agent, own, *other, their);
+            let near = |own: CellIndex, their: CellIndex| self.tables.too_near(agent, own, *other, their);
             let is_near = near(to, next) || near(to, theirs) || near(from, next);
             !is_near && !self.channels.clash(AgentStep { from, to }, AgentStep { from: theirs, to: next })
         })
@@ -142,7 +143,7 @@ impl OrderedTurns<'_> {
         let mut path = Vec::with_capacity(layers.len());
         for layer in layers.iter().rev() {
             let (node, before) = layer[at];
-            path.push(self.field.cell(node));
+            path.push(self.tables.cell(node));
             at = before;
         }
         path.reverse();

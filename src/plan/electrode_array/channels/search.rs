@@ -14,7 +14,7 @@ use super::prioritised;
 use crate::plan::electrode_array::board::{
     BoardAnswer, BoardCosts, BoardObjective, BoardPlan, Instance, NoBoardPlan, Paths,
 };
-use crate::plan::electrode_array::exact::field::{Closed, ExactTables};
+use crate::plan::electrode_array::exact::tables::{ExactTables, NoExactTables};
 use crate::plan::electrode_array::fast;
 use crate::plan::electrode_array::joint::{self, JointAim, JointAnswer, NoJointPlan};
 use crate::plan::search::Meter;
@@ -38,19 +38,21 @@ pub fn solve(
         Ok(bounds) => bounds,
         Err(why) => return BoardAnswer::Impossible(why),
     };
-    let field = match ExactTables::new(instance) {
-        Ok(field) => field,
-        Err(Closed::TooLarge) => return BoardAnswer::GaveUp(ignored),
-        Err(Closed::Stop { agent, stop }) => return BoardAnswer::Impossible(NoBoardPlan::Torn { agent, stop }),
+    let tables = match ExactTables::new(instance) {
+        Ok(tables) => tables,
+        Err(NoExactTables::TooLarge) => return BoardAnswer::GaveUp(ignored),
+        Err(NoExactTables::StopCutOff { agent, stop }) => {
+            return BoardAnswer::Impossible(NoBoardPlan::TornByChannels { agent, stop });
+        }
     };
-    let least = (0..field.agents()).map(|agent| u64::from(field.least(agent)));
+    let least = (0..tables.agents()).map(|agent| u64::from(tables.least(agent)));
     let bounds = BoardCosts { makespan: least.clone().max().unwrap_or(0), sum_of_costs: least.sum() };
     if limit.is_some_and(|limit| limit < bounds.makespan) {
         return BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least: bounds.makespan });
     }
     let share = meter.left().steps / FIRST_SHARE;
-    let best = meter.share(share, |share| prioritised::first(&field, channels, objective, limit, share));
-    let search = PinnedSearch { field: &field, objective, limit, bounds, best, meter };
+    let best = meter.share(share, |share| prioritised::first(&tables, channels, objective, limit, share));
+    let search = PinnedSearch { tables: &tables, objective, limit, bounds, best, meter };
     match objective {
         BoardObjective::Makespan => search.fewest_steps(),
         BoardObjective::SumOfCosts => search.least_sum(),
@@ -58,7 +60,7 @@ pub fn solve(
 }
 
 struct PinnedSearch<'a> {
-    field: &'a ExactTables<'a>,
+    tables: &'a ExactTables<'a>,
     objective: BoardObjective,
     limit: Option<u64>,
     bounds: BoardCosts,
@@ -68,7 +70,7 @@ struct PinnedSearch<'a> {
 
 impl PinnedSearch<'_> {
     fn everyone(&self) -> Vec<usize> {
-        (0..self.field.agents()).collect()
+        (0..self.tables.agents()).collect()
     }
 
     /// The limit in the type that the joint search takes.
@@ -83,7 +85,7 @@ impl PinnedSearch<'_> {
         }
         let limit = known.map(|known| known - 1).or(self.limit);
         let aim = JointAim::Makespan { limit: Self::steps(limit) };
-        match joint::search(self.field, &self.everyone(), aim, self.meter) {
+        match joint::search(self.tables, &self.everyone(), aim, self.meter) {
             JointAnswer::Found(paths) => {
                 self.bounds.makespan = BoardCosts::of(&paths).makespan;
                 self.best = Some(paths);
@@ -109,7 +111,7 @@ impl PinnedSearch<'_> {
             return self.held();
         }
         let aim = JointAim::SumOfCosts { limit: Self::steps(self.limit) };
-        match joint::search(self.field, &self.everyone(), aim, self.meter) {
+        match joint::search(self.tables, &self.everyone(), aim, self.meter) {
             JointAnswer::Found(paths) => {
                 self.bounds.sum_of_costs = BoardCosts::of(&paths).sum_of_costs;
                 self.best = Some(paths);
@@ -129,9 +131,9 @@ impl PinnedSearch<'_> {
         let costs = BoardCosts::of(best);
         if costs.sum_of_costs > self.bounds.sum_of_costs {
             let aim = JointAim::SumOfCosts { limit: Self::steps(Some(costs.makespan)) };
-            let (field, everyone) = (self.field, self.everyone());
+            let (tables, everyone) = (self.tables, self.everyone());
             let share = self.meter.left().steps / TIE_SHARE;
-            let found = self.meter.share(share, |share| joint::search(field, &everyone, aim, share));
+            let found = self.meter.share(share, |share| joint::search(tables, &everyone, aim, share));
             if let JointAnswer::Found(paths) = found
                 && BoardCosts::of(&paths).key(self.objective) < costs.key(self.objective)
             {
@@ -163,12 +165,12 @@ impl PinnedSearch<'_> {
     /// needed for that.
     fn blamed(&mut self) -> Vec<usize> {
         let mut agents = self.everyone();
-        let (mut at, field) = (0, self.field);
+        let (mut at, tables) = (0, self.tables);
         while at < agents.len() && agents.len() > 1 {
             let rest: Vec<usize> = agents.iter().copied().filter(|agent| *agent != agents[at]).collect();
             let share = self.meter.left().steps / BLAME_SHARE;
             let aim = JointAim::Makespan { limit: None };
-            match self.meter.share(share, |share| joint::search(field, &rest, aim, share)) {
+            match self.meter.share(share, |share| joint::search(tables, &rest, aim, share)) {
                 JointAnswer::Impossible(_) => agents = rest,
                 JointAnswer::Found(_) | JointAnswer::GaveUp(_) => at += 1,
             }

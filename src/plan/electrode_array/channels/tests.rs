@@ -175,7 +175,7 @@ fn optima_and_impossibility_agree_with_a_plain_search_under_the_rule() {
                         "found"
                     }
                     (BoardAnswer::Impossible(NoBoardPlan::Closed { .. }), None) => "closed",
-                    (BoardAnswer::Impossible(NoBoardPlan::Torn { .. }), None) => "torn",
+                    (BoardAnswer::Impossible(NoBoardPlan::TornByChannels { .. }), None) => "torn",
                     (BoardAnswer::Impossible(NoBoardPlan::Blocked { agents }), None) => {
                         blames(&bare, agents, &rule, objective);
                         "blocked"
@@ -249,7 +249,7 @@ fn a_bus_of_three_phases_carries_droplets_at_its_pitch() {
     // with two phases it has.
     assert_eq!(steps(&bus(&[0], &[11], 4)), Some((11, 11)));
     assert_eq!(steps(&bus(&[0], &[11], 3)), Some((11, 11)));
-    assert_eq!(bus(&[0], &[11], 2), BoardAnswer::Impossible(NoBoardPlan::Torn { agent: 0, stop: 0 }));
+    assert_eq!(bus(&[0], &[11], 2), BoardAnswer::Impossible(NoBoardPlan::TornByChannels { agent: 0, stop: 0 }));
     // Several droplets at the pitch of the bus travel together.
     assert_eq!(steps(&bus(&[0, 4], &[3, 7], 4)), Some((3, 3)));
     // At another distance they would tear each other apart.

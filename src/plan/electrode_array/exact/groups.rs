@@ -3,9 +3,9 @@
 //! Every agent begins as its own group. Where the paths of two groups clash, the groups are merged and searched again. At any time
 //! the bounds of the groups add up to a bound for all, and once no paths clash the union of the plans is optimal.
 
-use super::field::ExactTables;
 use super::split::clashes;
-use super::tree::{self, ConstraintTreeTask, End};
+use super::tables::ExactTables;
+use super::tree::{self, ConstraintTreeTask, TreeAnswer};
 use crate::plan::electrode_array::board::{CellIndex, Paths};
 use crate::plan::search::Meter;
 
@@ -23,11 +23,11 @@ pub struct WantedBounds {
 /// 1/N of the remaining budget for the first attempt at a group.
 const FIRST_SHARE: u64 = 4;
 
-/// Searches for all agents of the field; equivalent to one search for all.
-pub fn search(field: &ExactTables, wanted: WantedBounds, meter: &mut Meter) -> End {
-    let mut groups = Groups { field, wanted, groups: vec![] };
-    for agent in 0..field.agents() {
-        let cost = field.least(agent).max(wanted.least);
+/// Searches for all agents; equivalent to one search for all.
+pub fn search(tables: &ExactTables, wanted: WantedBounds, meter: &mut Meter) -> TreeAnswer {
+    let mut groups = Groups { tables, wanted, groups: vec![] };
+    for agent in 0..tables.agents() {
+        let cost = tables.least(agent).max(wanted.least);
         groups.groups.push(Group {
             members: vec![agent],
             bound: u64::from(cost),
@@ -52,34 +52,34 @@ struct Group {
 }
 
 struct Groups<'a> {
-    field: &'a ExactTables<'a>,
+    tables: &'a ExactTables<'a>,
     wanted: WantedBounds,
     groups: Vec<Group>,
 }
 
 impl Groups<'_> {
-    fn run(&mut self, meter: &mut Meter) -> End {
+    fn run(&mut self, meter: &mut Meter) -> TreeAnswer {
         loop {
             if self.bound() >= self.wanted.ceiling {
-                return End::Nothing;
+                return TreeAnswer::Nothing;
             }
             if let Some(index) = self.groups.iter().position(|group| group.paths.is_none() && !group.is_stuck) {
                 if self.solve(index, meter.left().steps / FIRST_SHARE, meter) {
-                    return End::Nothing;
+                    return TreeAnswer::Nothing;
                 }
             } else if let Some((one, other)) = self.clashing(meter) {
                 self.unite(one, other);
             } else if let Some(index) = self.groups.iter().position(|group| group.paths.is_none()) {
                 let before = self.groups[index].bound;
                 if self.solve(index, meter.left().steps, meter) {
-                    return End::Nothing;
+                    return TreeAnswer::Nothing;
                 }
                 if self.groups[index].paths.is_none() {
                     self.groups[index].bound = self.groups[index].bound.max(before);
-                    return End::GaveUp { bound: self.bound() };
+                    return TreeAnswer::GaveUp { bound: self.bound() };
                 }
             } else {
-                return End::Found { paths: self.all_paths(), cost: self.bound() };
+                return TreeAnswer::Found { paths: self.all_paths(), cost: self.bound() };
             }
         }
     }
@@ -103,7 +103,7 @@ impl Groups<'_> {
         let ceiling = if self.wanted.ceiling == u64::MAX { u64::MAX } else { self.wanted.ceiling - elsewhere };
         let WantedBounds { least, most, .. } = self.wanted;
         let task = ConstraintTreeTask {
-            field: self.field,
+            tables: self.tables,
             group: &group.members,
             least,
             most,
@@ -114,9 +114,11 @@ impl Groups<'_> {
         let end = meter.share(steps, |meter| tree::search(task, meter));
         let group = &mut self.groups[index];
         match end {
-            End::Found { paths, cost } => (group.paths, group.bound, group.is_checked) = (Some(paths), cost, false),
-            End::Nothing => return true,
-            End::GaveUp { bound } => (group.is_stuck, group.bound) = (true, group.bound.max(bound)),
+            TreeAnswer::Found { paths, cost } => {
+                (group.paths, group.bound, group.is_checked) = (Some(paths), cost, false)
+            }
+            TreeAnswer::Nothing => return true,
+            TreeAnswer::GaveUp { bound } => (group.is_stuck, group.bound) = (true, group.bound.max(bound)),
         }
         false
     }
@@ -144,7 +146,7 @@ impl Groups<'_> {
         let (Some(paths), Some(ways)) = (&one.paths, &other.paths) else { return false };
         one.members.iter().zip(paths).any(|(agent, path)| {
             let mut others = other.members.iter().zip(ways);
-            others.any(|(other, way)| clashes(self.field, [*agent, *other], [path, way]).next().is_some())
+            others.any(|(other, way)| clashes(self.tables, [*agent, *other], [path, way]).next().is_some())
         })
     }
 
@@ -160,7 +162,7 @@ impl Groups<'_> {
     }
 
     fn all_paths(&self) -> Paths {
-        let mut paths = vec![vec![]; self.field.agents()];
+        let mut paths = vec![vec![]; self.tables.agents()];
         for group in &self.groups {
             for (agent, path) in group.members.iter().zip(group.paths.iter().flatten()) {
                 paths[*agent] = path.clone();

@@ -9,7 +9,7 @@
 //!   others do.
 //! - Conflict-based search on independent groups (`tree`, `groups`): for the sum of costs directly; for the makespan by
 //!   testing increasing numbers of steps, starting from the lower bound. Before that, pairs of agents often prove that
-//!   a number is too small (`jam`).
+//!   a number is too small (`joint_mdd`).
 //! - Still without a plan: the joint space of all agents, as far as the budget allows.
 //!
 //! Guaranteed: bounds and reasons are proven, plans keep the rule, and everything ends within the budget. With an
@@ -21,26 +21,26 @@
 //! One step of the budget is one node of one agent's search or of its layers, or one move tried in a joint space;
 //! memory stays below some 50 bytes a step.
 
+mod constraint;
 mod cover;
-mod demand;
-pub mod field;
 mod groups;
-mod jam;
-mod layers;
+mod joint_mdd;
+mod mdd;
 mod pair;
 mod split;
+pub mod tables;
 mod tree;
 
 use super::board::{
-    BoardAnswer, BoardCosts, BoardObjective, BoardPlan, CellIndex, HeldBoardPlan, Instance, NoBoardPlan, Paths,
+    BoardAnswer, BoardCosts, BoardObjective, BoardPlan, BoardPlanProgress, CellIndex, Instance, NoBoardPlan, Paths,
 };
 use super::joint::{self, JointAim, NoJointPlan, trim};
 use super::portfolio::timing;
 use crate::plan::search::{Meter, SearchBudget};
-use demand::ALWAYS;
-use field::{Closed, ExactTables};
+use constraint::ALWAYS;
 use groups::WantedBounds;
-use tree::End;
+use tables::{ExactTables, NoExactTables};
+use tree::TreeAnswer;
 
 /// Joint spaces with at most this many states are searched exhaustively.
 const SMALL: u64 = 1 << 20;
@@ -81,9 +81,9 @@ pub fn prove(
     let within = |paths: &&Paths| limit.is_none_or(|limit| BoardCosts::of(paths).makespan <= u64::from(limit));
     let best = incumbent.filter(within).cloned();
     match ExactTables::new(instance) {
-        Ok(field) => Prover::new(&field, objective, best, limit, meter).run(),
-        Err(Closed::Stop { agent, stop }) => BoardAnswer::Impossible(NoBoardPlan::Closed { agent, stop }),
-        Err(Closed::TooLarge) => unsearched(best, manhattan_bounds(instance)),
+        Ok(tables) => Prover::new(&tables, objective, best, limit, meter).run(),
+        Err(NoExactTables::StopCutOff { agent, stop }) => BoardAnswer::Impossible(NoBoardPlan::Closed { agent, stop }),
+        Err(NoExactTables::TooLarge) => unsearched(best, manhattan_bounds(instance)),
     }
 }
 
@@ -97,8 +97,8 @@ pub fn small(
     meter: &mut Meter,
 ) -> Option<(BoardAnswer, bool)> {
     let limit = limit.map(|limit| limit.min(u64::from(ALWAYS - 1)) as u32);
-    let field = ExactTables::new(instance).ok()?;
-    let mut prover = Prover::new(&field, objective, Some(incumbent.clone()), limit, meter);
+    let tables = ExactTables::new(instance).ok()?;
+    let mut prover = Prover::new(&tables, objective, Some(incumbent.clone()), limit, meter);
     match prover.by_small_joint_space() {
         Some(ProofEnd::Impossible(why)) => Some((BoardAnswer::Impossible(why), true)),
         Some(ProofEnd::Proven) => Some((unsearched(prover.best, prover.bounds), true)),
@@ -109,8 +109,8 @@ pub fn small(
 /// A lower bound on the makespan: `known`, raised by one step at a time while pairs of agents prove that no plan keeps
 /// it, up to `most`.
 pub fn raised(instance: &Instance, known: u64, most: u64, meter: &mut Meter) -> u64 {
-    let Ok(field) = ExactTables::new(instance) else { return known };
-    let is_excluded = |steps: &u64| u32::try_from(*steps).is_ok_and(|steps| jam::excludes(&field, steps, meter));
+    let Ok(tables) = ExactTables::new(instance) else { return known };
+    let is_excluded = |steps: &u64| u32::try_from(*steps).is_ok_and(|steps| joint_mdd::excludes(&tables, steps, meter));
     known + (known..most).take_while(is_excluded).count() as u64
 }
 
@@ -118,8 +118,8 @@ pub fn raised(instance: &Instance, known: u64, most: u64, meter: &mut Meter) -> 
 /// many joint positions, or channels are shared.
 pub fn reached(instance: &Instance, agents: &[usize]) -> Option<Vec<Vec<CellIndex>>> {
     // With shared channels, agents that move at once reach other cells than agents that move in turn.
-    let field = ExactTables::new(instance).ok().filter(|_| instance.board.channels().is_none())?;
-    joint::reached(&field, agents, &mut Meter::new(REACH_BUDGET))
+    let tables = ExactTables::new(instance).ok().filter(|_| instance.board.channels().is_none())?;
+    joint::reached(&tables, agents, &mut Meter::new(REACH_BUDGET))
 }
 
 fn unsearched(best: Option<Paths>, bounds: BoardCosts) -> BoardAnswer {
@@ -141,14 +141,14 @@ fn manhattan_bounds(instance: &Instance) -> BoardCosts {
 
 /// The state of a proof.
 struct Prover<'a, 'm> {
-    field: &'a ExactTables<'a>,
+    tables: &'a ExactTables<'a>,
     objective: BoardObjective,
     best: Option<Paths>,
     limit: Option<u32>,
     bounds: BoardCosts,
     meter: &'m mut Meter,
     /// Progress display; `None` until there is a plan.
-    held: Option<HeldBoardPlan>,
+    progress: Option<BoardPlanProgress>,
 }
 
 /// Outcome of a proof.
@@ -160,16 +160,16 @@ enum ProofEnd {
 
 impl<'a, 'm> Prover<'a, 'm> {
     fn new(
-        field: &'a ExactTables<'a>,
+        tables: &'a ExactTables<'a>,
         objective: BoardObjective,
         best: Option<Paths>,
         limit: Option<u32>,
         meter: &'m mut Meter,
     ) -> Self {
-        let costs = (0..field.agents()).map(|agent| u64::from(field.least(agent)));
+        let costs = (0..tables.agents()).map(|agent| u64::from(tables.least(agent)));
         let bounds = BoardCosts { makespan: costs.clone().max().unwrap_or(0), sum_of_costs: costs.sum() };
-        let mut prover = Prover { field, objective, best, limit, bounds, meter, held: None };
-        prover.tell();
+        let mut prover = Prover { tables, objective, best, limit, bounds, meter, progress: None };
+        prover.show_progress();
         prover
     }
 
@@ -225,28 +225,28 @@ impl<'a, 'm> Prover<'a, 'm> {
         }
         if self.best.as_ref().is_none_or(|best| key(&paths) < key(best)) {
             self.best = Some(paths);
-            self.tell();
+            self.show_progress();
         }
     }
 
     /// Updates the progress display.
-    fn tell(&mut self) {
+    fn show_progress(&mut self) {
         let Some(costs) = self.best.as_ref().map(BoardCosts::of) else { return };
-        match &mut self.held {
-            Some(held) => held.offer(costs, self.bounds),
-            None => self.held = Some(HeldBoardPlan::begin(self.objective, costs, self.bounds)),
+        match &mut self.progress {
+            Some(progress) => progress.offer(costs, self.bounds),
+            None => self.progress = Some(BoardPlanProgress::begin(self.objective, costs, self.bounds)),
         }
     }
 
     fn everyone(&self) -> Vec<usize> {
-        (0..self.field.agents()).collect()
+        (0..self.tables.agents()).collect()
     }
 
     /// Whether the joint space is small, counting for each agent the nodes from which its goal is reachable.
     fn is_small(&self) -> bool {
         self.everyone()
             .into_iter()
-            .try_fold(1u64, |product, agent| product.checked_mul(self.field.reaching(agent)))
+            .try_fold(1u64, |product, agent| product.checked_mul(self.tables.reaching(agent)))
             .is_some_and(|all| all <= SMALL)
     }
 
@@ -257,7 +257,7 @@ impl<'a, 'm> Prover<'a, 'm> {
         }
         if self.best.is_none() {
             match self.jointly(JointAim::Any) {
-                joint::JointAnswer::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
+                joint::JointAnswer::Found(paths) => self.offer(timing::earliest(self.tables.instance, &paths)),
                 joint::JointAnswer::Impossible(NoJointPlan::AtAll) => {
                     return Some(ProofEnd::Impossible(self.blocked_among(self.everyone())));
                 }
@@ -347,17 +347,17 @@ impl<'a, 'm> Prover<'a, 'm> {
     fn jointly(&mut self, aim: JointAim) -> joint::JointAnswer {
         let group = self.everyone();
         let steps = self.meter.left().steps - self.meter.left().steps / JOINT_SHARE;
-        self.spend(steps, |field, meter| joint::search(field, &group, aim, meter))
+        self.spend(steps, |tables, meter| joint::search(tables, &group, aim, meter))
     }
 
     /// A pair of agents that cannot pass one another.
     fn blocked_pair(&mut self) -> Option<Vec<usize>> {
         let steps = self.meter.left().steps / PAIRS_SHARE;
-        self.spend(steps, |field, meter| {
-            let pairs = (0..field.agents()).flat_map(|other| (0..other).map(move |one| [one, other]));
+        self.spend(steps, |tables, meter| {
+            let pairs = (0..tables.agents()).flat_map(|other| (0..other).map(move |one| [one, other]));
             for pair in pairs {
                 let steps = meter.left().steps / PAIR_SHARE;
-                let outcome = meter.share(steps, |meter| joint::search(field, &pair, JointAim::Any, meter));
+                let outcome = meter.share(steps, |meter| joint::search(tables, &pair, JointAim::Any, meter));
                 meter.charge(1);
                 if outcome == joint::JointAnswer::Impossible(NoJointPlan::AtAll) {
                     return Some(pair.to_vec());
@@ -369,7 +369,7 @@ impl<'a, 'm> Prover<'a, 'm> {
 
     /// Runs a search with a share of the budget.
     fn spend<T>(&mut self, steps: u64, search: impl FnOnce(&ExactTables, &mut Meter) -> T) -> T {
-        self.meter.share(steps, |meter| search(self.field, meter))
+        self.meter.share(steps, |meter| search(self.tables, meter))
     }
 
     /// A subset without a plan that is as small as this finds: agents are dropped one by one while the rest still has
@@ -380,7 +380,7 @@ impl<'a, 'm> Prover<'a, 'm> {
             let mut fewer = agents.clone();
             fewer.remove(place);
             let steps = self.meter.left().steps / OPEN_SHARE;
-            if self.spend(steps, |field, meter| joint::search(field, &fewer, JointAim::Any, meter))
+            if self.spend(steps, |tables, meter| joint::search(tables, &fewer, JointAim::Any, meter))
                 == joint::JointAnswer::Impossible(NoJointPlan::AtAll)
             {
                 agents = fewer;
@@ -409,16 +409,16 @@ impl<'a, 'm> Prover<'a, 'm> {
                 return Some(self.too_few_steps());
             }
             let steps = self.bounds.makespan as u32;
-            match within(self.field, steps, meter) {
-                End::Found { paths, .. } => {
+            match within(self.tables, steps, meter) {
+                TreeAnswer::Found { paths, .. } => {
                     self.offer(paths);
                     return Some(ProofEnd::Proven);
                 }
-                End::Nothing => {
+                TreeAnswer::Nothing => {
                     self.bounds.makespan += 1;
-                    self.tell();
+                    self.show_progress();
                 }
-                End::GaveUp { .. } => return None,
+                TreeAnswer::GaveUp { .. } => return None,
             }
         }
         Some(ProofEnd::Proven)
@@ -430,7 +430,9 @@ impl<'a, 'm> Prover<'a, 'm> {
         let costs = BoardCosts::of(best);
         let wanted = WantedBounds { least: 0, most: costs.makespan as u32, ceiling: costs.sum_of_costs };
         let steps = self.meter.left().steps / POLISH_SHARE;
-        if let End::Found { paths, .. } = self.spend(steps, |field, meter| groups::search(field, wanted, meter)) {
+        if let TreeAnswer::Found { paths, .. } =
+            self.spend(steps, |tables, meter| groups::search(tables, wanted, meter))
+        {
             self.offer(paths);
         }
     }
@@ -440,22 +442,22 @@ impl<'a, 'm> Prover<'a, 'm> {
         let wanted = WantedBounds { least: 0, most: self.limit.unwrap_or(ALWAYS), ceiling };
         let share = if self.best.is_some() { 1 } else { OPEN_SHARE };
         let steps = self.meter.left().steps / share;
-        match self.spend(steps, |field, meter| groups::search(field, wanted, meter)) {
-            End::Found { paths, cost } => {
+        match self.spend(steps, |tables, meter| groups::search(tables, wanted, meter)) {
+            TreeAnswer::Found { paths, cost } => {
                 self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(cost);
                 self.offer(paths);
                 Some(ProofEnd::Proven)
             }
-            End::Nothing if self.best.is_some() => {
+            TreeAnswer::Nothing if self.best.is_some() => {
                 self.bounds.sum_of_costs = ceiling;
                 Some(ProofEnd::Proven)
             }
-            End::Nothing if self.limit.is_some() => Some(self.too_few_steps()),
-            End::Nothing => {
+            TreeAnswer::Nothing if self.limit.is_some() => Some(self.too_few_steps()),
+            TreeAnswer::Nothing => {
                 let everyone = self.everyone();
                 Some(ProofEnd::Impossible(self.blocked_among(everyone)))
             }
-            End::GaveUp { bound } => {
+            TreeAnswer::GaveUp { bound } => {
                 self.bounds.sum_of_costs = self.bounds.sum_of_costs.max(bound);
                 None
             }
@@ -470,9 +472,9 @@ impl<'a, 'm> Prover<'a, 'm> {
         loop {
             let steps = self.bounds.makespan as u32;
             let share = self.meter.left().steps / OPEN_SHARE;
-            match self.spend(share, |field, meter| within(field, steps, meter)) {
-                End::Nothing => self.bounds.makespan += 1,
-                End::Found { .. } | End::GaveUp { .. } => break,
+            match self.spend(share, |tables, meter| within(tables, steps, meter)) {
+                TreeAnswer::Nothing => self.bounds.makespan += 1,
+                TreeAnswer::Found { .. } | TreeAnswer::GaveUp { .. } => break,
             }
         }
         ProofEnd::Impossible(NoBoardPlan::TooFewSteps { least: self.bounds.makespan })
@@ -482,8 +484,8 @@ impl<'a, 'm> Prover<'a, 'm> {
         let group = self.everyone();
         let aim = JointAim::Makespan { limit: self.limit };
         let aim = if self.limit.is_some() { aim } else { JointAim::Any };
-        match joint::search(self.field, &group, aim, self.meter) {
-            joint::JointAnswer::Found(paths) => self.offer(timing::earliest(self.field.instance, &paths)),
+        match joint::search(self.tables, &group, aim, self.meter) {
+            joint::JointAnswer::Found(paths) => self.offer(timing::earliest(self.tables.instance, &paths)),
             joint::JointAnswer::Impossible(NoJointPlan::AtAll) => {
                 return Some(ProofEnd::Impossible(self.blocked_among(group)));
             }
@@ -495,12 +497,12 @@ impl<'a, 'm> Prover<'a, 'm> {
 }
 
 /// A plan in which everyone arrives within `steps` steps, whatever the sum of costs.
-fn within(field: &ExactTables, steps: u32, meter: &mut Meter) -> End {
+fn within(tables: &ExactTables, steps: u32, meter: &mut Meter) -> TreeAnswer {
     let share = meter.left().steps / RAISE_SHARE;
-    if meter.share(share, |meter| jam::excludes(field, steps, meter)) {
-        return End::Nothing;
+    if meter.share(share, |meter| joint_mdd::excludes(tables, steps, meter)) {
+        return TreeAnswer::Nothing;
     }
-    groups::search(field, exactly(steps), meter)
+    groups::search(tables, exactly(steps), meter)
 }
 
 /// Plans in which everyone arrives within `steps` steps, whatever their sum of costs.

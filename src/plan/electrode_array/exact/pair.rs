@@ -1,7 +1,7 @@
 //! Compatibility of two agents with paths of given costs: the pairs of places from which both can still arrive.
 
-use super::field::{CellPlace, ExactTables};
-use super::layers::MultiValueDecisionDiagram;
+use super::mdd::MultiValueDecisionDiagram;
+use super::tables::{CellPlace, ExactTables};
 use crate::plan::search::Meter;
 use fixedbitset::FixedBitSet;
 
@@ -15,7 +15,7 @@ const PAIRS_A_STEP: u64 = 4;
 #[derive(Clone, Copy)]
 pub struct PairSide<'a> {
     pub agent: usize,
-    pub layers: &'a MultiValueDecisionDiagram,
+    pub mdd: &'a MultiValueDecisionDiagram,
 }
 
 /// For each instant, the pairs of nodes of two layers that keep the rule and from which both can still reach the end together.
@@ -28,14 +28,14 @@ pub struct CompatiblePairs {
 
 impl CompatiblePairs {
     /// The table of two agents; one that forbids nothing if it would be too large or the budget is spent.
-    pub fn new(field: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> CompatiblePairs {
-        let gaps = PairGaps::new(field, one, other, meter);
+    pub fn new(tables: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> CompatiblePairs {
+        let gaps = PairGaps::new(tables, one, other, meter);
         gaps.alive(one, other)
     }
 
     /// The same, restricted to pairs that are reachable from the start.
-    pub fn swept(field: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> CompatiblePairs {
-        let gaps = PairGaps::new(field, one, other, meter);
+    pub fn swept(tables: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> CompatiblePairs {
+        let gaps = PairGaps::new(tables, one, other, meter);
         let mut table = gaps.alive(one, other);
         for instant in 1..table.alive.len() {
             let (earlier, now) = table.alive.split_at_mut(instant);
@@ -104,18 +104,18 @@ struct PairGaps {
 }
 
 impl PairGaps {
-    fn new(field: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> PairGaps {
-        let end = one.layers.cost().max(other.layers.cost());
-        let is_near: Vec<bool> = (0..end).map(|instant| !is_apart(field, one, other, instant)).collect();
+    fn new(tables: &ExactTables, one: PairSide, other: PairSide, meter: &mut Meter) -> PairGaps {
+        let end = one.mdd.cost().max(other.mdd.cost());
+        let is_near: Vec<bool> = (0..end).map(|instant| !is_apart(tables, one, other, instant)).collect();
         let Some(last_near) = is_near.iter().rposition(|near| *near) else { return PairGaps { gaps: vec![] } };
-        let pairs = |instant: u32| one.layers.at(instant).len() as u64 * other.layers.at(instant).len() as u64;
+        let pairs = |instant: u32| one.mdd.at(instant).len() as u64 * other.mdd.at(instant).len() as u64;
         let work: u64 = (0..=last_near as u32).map(pairs).sum();
         if work > MOST_PAIRS || meter.left().steps == 0 {
             return PairGaps { gaps: vec![] };
         }
         meter.charge(work / PAIRS_A_STEP + u64::from(end));
         let gap = |instant: u32| {
-            let clear = |at: u32, other_at: u32| clear_rows(field, one, at, other, other_at);
+            let clear = |at: u32, other_at: u32| clear_rows(tables, one, at, other, other_at);
             let next = instant + 1;
             PairGap {
                 now: clear(instant, instant),
@@ -159,15 +159,11 @@ impl PairGaps {
         let gap = self.gaps[instant as usize].as_ref();
         let mut reached: Vec<FixedBitSet> = alive.iter().map(|bits| FixedBitSet::with_capacity(bits.len())).collect();
         for (place, row) in from.iter().enumerate().filter(|(_, row)| !row.is_clear()) {
-            for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
+            for to in one.mdd.edges(instant, place).iter().map(|to| *to as usize) {
                 let mut found = FixedBitSet::with_capacity(alive[to].len());
                 let starts = gap.map_or_else(|| row.clone(), |gap| row & &gap.later_now[to]);
                 for other_place in starts.ones() {
-                    other
-                        .layers
-                        .edges(instant, other_place)
-                        .iter()
-                        .for_each(|other_to| found.insert(*other_to as usize));
+                    other.mdd.edges(instant, other_place).iter().for_each(|other_to| found.insert(*other_to as usize));
                 }
                 found.intersect_with(&alive[to]);
                 if let Some(gap) = gap {
@@ -184,7 +180,7 @@ impl PairGaps {
 fn before_near(one: PairSide, other: PairSide, instant: u32, gap: &PairGap, later: &[FixedBitSet]) -> Vec<FixedBitSet> {
     let mut alive: Vec<FixedBitSet> = gap.now.iter().map(|bits| FixedBitSet::with_capacity(bits.len())).collect();
     for (place, row) in alive.iter_mut().enumerate() {
-        for to in one.layers.edges(instant, place).iter().map(|to| *to as usize) {
+        for to in one.mdd.edges(instant, place).iter().map(|to| *to as usize) {
             let targets = &later[to] & &gap.now_later[place];
             let open = &gap.now[place] & &gap.later_now[to];
             add_leading(other, instant, row, open.ones(), &targets);
@@ -195,10 +191,10 @@ fn before_near(one: PairSide, other: PairSide, instant: u32, gap: &PairGap, late
 
 /// The same for layers in which no two nodes are too near.
 fn before_apart(one: PairSide, other: PairSide, instant: u32, later: &[FixedBitSet]) -> Vec<FixedBitSet> {
-    let width = other.layers.at(instant).len();
-    let mut alive = vec![FixedBitSet::with_capacity(width); one.layers.at(instant).len()];
+    let width = other.mdd.at(instant).len();
+    let mut alive = vec![FixedBitSet::with_capacity(width); one.mdd.at(instant).len()];
     for (place, row) in alive.iter_mut().enumerate() {
-        for to in one.layers.edges(instant, place) {
+        for to in one.mdd.edges(instant, place) {
             add_leading(other, instant, row, 0..width, &later[*to as usize]);
         }
     }
@@ -214,24 +210,24 @@ fn add_leading(
     targets: &FixedBitSet,
 ) {
     for place in places {
-        if !row.contains(place) && side.layers.edges(instant, place).iter().any(|to| targets.contains(*to as usize)) {
+        if !row.contains(place) && side.mdd.edges(instant, place).iter().any(|to| targets.contains(*to as usize)) {
             row.insert(place);
         }
     }
 }
 
 /// Whether no nodes in the layers of an instant and the next are too near.
-fn is_apart(field: &ExactTables, one: PairSide, other: PairSide, instant: u32) -> bool {
-    let extent = |side: PairSide| side.layers.extent(instant).join(side.layers.extent(instant + 1));
-    extent(one).is_apart(&extent(other), field.instance.separation as i32)
+fn is_apart(tables: &ExactTables, one: PairSide, other: PairSide, instant: u32) -> bool {
+    let extent = |side: PairSide| side.mdd.extent(instant).join(side.mdd.extent(instant + 1));
+    extent(one).is_apart(&extent(other), tables.instance.separation as i32)
 }
 
 /// For each node of `one` at an instant, the nodes of `other` at an instant that keep the separation.
-fn clear_rows(field: &ExactTables, one: PairSide, at: u32, other: PairSide, other_at: u32) -> Vec<FixedBitSet> {
-    let separation = field.instance.separation as i32;
-    let merged = field.is_merged(one.agent, other.agent);
-    let goal = field.place(field.cell(field.goal(one.agent)));
-    let (nodes, others) = (one.layers.places(at), other.layers.places(other_at));
+fn clear_rows(tables: &ExactTables, one: PairSide, at: u32, other: PairSide, other_at: u32) -> Vec<FixedBitSet> {
+    let separation = tables.instance.separation as i32;
+    let merged = tables.is_merged(one.agent, other.agent);
+    let goal = tables.place(tables.cell(tables.goal(one.agent)));
+    let (nodes, others) = (one.mdd.places(at), other.mdd.places(other_at));
     let row = |place: CellPlace| {
         let mut bits = FixedBitSet::with_capacity(others.len());
         for (word, chunk) in bits.as_mut_slice().iter_mut().zip(others.chunks(usize::BITS as usize)) {

@@ -32,32 +32,34 @@ fn conflict_based_search_agrees_with_plain_searches() {
     for shape in tiny() {
         for round in 0..25 {
             let Some(instance) = random(shape, &mut chance) else { continue };
-            let Ok(field) = ExactTables::new(&instance) else { continue };
+            let Ok(tables) = ExactTables::new(&instance) else { continue };
             let Some(makespan) = least(&instance, BoardObjective::Makespan) else { continue };
             let sum = least(&instance, BoardObjective::SumOfCosts).unwrap();
             let wanted = WantedBounds { least: 0, most: ALWAYS, ceiling: u64::MAX };
-            let found = groups::search(&field, wanted, &mut meter());
-            let End::Found { mut paths, cost } = found else { panic!("{round} {instance:?}: {found:?} for {sum}") };
+            let found = groups::search(&tables, wanted, &mut meter());
+            let TreeAnswer::Found { mut paths, cost } = found else {
+                panic!("{round} {instance:?}: {found:?} for {sum}")
+            };
             paths.iter_mut().for_each(trim);
             assert_eq!(fault(&instance, &paths), None, "{instance:?}");
             assert_eq!((cost, BoardCosts::of(&paths).sum_of_costs), (sum, sum), "{instance:?}");
             let wanted = WantedBounds { least: 0, most: makespan as u32, ceiling: u64::MAX };
-            let limited = groups::search(&field, wanted, &mut meter());
-            let everyone: Vec<usize> = (0..field.agents()).collect();
+            let limited = groups::search(&tables, wanted, &mut meter());
+            let everyone: Vec<usize> = (0..tables.agents()).collect();
             let aim = JointAim::SumOfCosts { limit: Some(makespan as u32) };
-            let joint::JointAnswer::Found(best) = joint::search(&field, &everyone, aim, &mut meter()) else {
+            let joint::JointAnswer::Found(best) = joint::search(&tables, &everyone, aim, &mut meter()) else {
                 panic!("{instance:?}")
             };
-            let End::Found { cost, .. } = limited else { panic!("{instance:?}: {limited:?}") };
+            let TreeAnswer::Found { cost, .. } = limited else { panic!("{instance:?}: {limited:?}") };
             assert_eq!(cost, BoardCosts::of(&best).sum_of_costs, "{instance:?} within {makespan}");
-            let at = groups::search(&field, exactly(makespan as u32), &mut meter());
-            let End::Found { mut paths, .. } = at else { panic!("{instance:?}: {at:?} at {makespan}") };
+            let at = groups::search(&tables, exactly(makespan as u32), &mut meter());
+            let TreeAnswer::Found { mut paths, .. } = at else { panic!("{instance:?}: {at:?} at {makespan}") };
             paths.iter_mut().for_each(trim);
             assert_eq!(fault(&instance, &paths), None, "{instance:?}");
             if makespan > 0 {
                 assert_eq!(
-                    groups::search(&field, exactly(makespan as u32 - 1), &mut meter()),
-                    End::Nothing,
+                    groups::search(&tables, exactly(makespan as u32 - 1), &mut meter()),
+                    TreeAnswer::Nothing,
                     "{instance:?}"
                 );
             }
@@ -75,16 +77,16 @@ fn steps_excluded_by_pairs_agree_with_plain_searches() {
     for shape in tiny() {
         for _ in 0..60 {
             let Some(instance) = random(shape, &mut chance) else { continue };
-            let Ok(field) = ExactTables::new(&instance) else { continue };
+            let Ok(tables) = ExactTables::new(&instance) else { continue };
             let Some(makespan) = least(&instance, BoardObjective::Makespan) else { continue };
-            let alone = (0..field.agents()).map(|agent| u64::from(field.least(agent))).max().unwrap();
+            let alone = (0..tables.agents()).map(|agent| u64::from(tables.least(agent))).max().unwrap();
             assert!(raised(&instance, alone, u64::MAX, &mut meter()) <= makespan, "{instance:?} takes {makespan}");
             for steps in makespan..makespan + 3 {
-                assert!(!jam::excludes(&field, steps as u32, &mut meter()), "{instance:?} in {steps}");
+                assert!(!joint_mdd::excludes(&tables, steps as u32, &mut meter()), "{instance:?} in {steps}");
                 kept += 1;
             }
             if makespan > alone {
-                let is_excluded = jam::excludes(&field, makespan as u32 - 1, &mut meter());
+                let is_excluded = joint_mdd::excludes(&tables, makespan as u32 - 1, &mut meter());
                 *(if is_excluded { &mut excluded } else { &mut missed }) += 1;
             }
         }

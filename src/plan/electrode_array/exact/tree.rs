@@ -7,13 +7,13 @@
 //! Kumar, Koenig, "Multi-agent path finding for large agents", AAAI 2019). Pairs without any compatible least-cost paths (cardinal
 //! conflicts) are split by their costs instead, and raise the bound of the node ([`cover`](super::cover)).
 
+use super::constraint::{AgentConstraint, OutOfSteps, least_cost};
 use super::cover::{Edge, least_rise};
-use super::demand::{AgentConstraint, OutOfSteps, least_cost};
-use super::field::ExactTables;
-use super::jam::{self, Jam};
-use super::layers::MultiValueDecisionDiagram;
+use super::joint_mdd::{self, JointMddAnswer};
+use super::mdd::MultiValueDecisionDiagram;
 use super::pair::{CompatiblePairs, PairSide};
 use super::split::{self, ConstraintBranch, Party, clashes};
+use super::tables::ExactTables;
 use crate::plan::electrode_array::board::{CellIndex, Paths};
 use crate::plan::search::Meter;
 use rustc_hash::FxHashMap;
@@ -24,7 +24,7 @@ use std::rc::Rc;
 /// Task of a search.
 #[derive(Clone, Copy)]
 pub struct ConstraintTreeTask<'a> {
-    pub field: &'a ExactTables<'a>,
+    pub tables: &'a ExactTables<'a>,
     /// The agents; members are indices into this.
     pub group: &'a [usize],
     /// No arrival counts before this instant.
@@ -41,7 +41,7 @@ pub struct ConstraintTreeTask<'a> {
 
 /// Result of a search.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum End {
+pub enum TreeAnswer {
     /// Paths of least sum of costs; no agent's cost counts less than `least`.
     Found { paths: Paths, cost: u64 },
     /// Proven: no plan has a sum of costs below the ceiling.
@@ -75,7 +75,7 @@ const POSITIONS_A_STEP: u64 = 16;
 const POLISHING_ROUNDS: usize = 2;
 
 /// Runs the search; one step of the budget is one expanded node of an agent's own search or of its layers.
-pub fn search(task: ConstraintTreeTask, meter: &mut Meter) -> End {
+pub fn search(task: ConstraintTreeTask, meter: &mut Meter) -> TreeAnswer {
     let mut tree = ConstraintTree {
         task,
         meter,
@@ -83,14 +83,14 @@ pub fn search(task: ConstraintTreeTask, meter: &mut Meter) -> End {
         open: BinaryHeap::new(),
         rises: FxHashMap::default(),
         waits: FxHashMap::default(),
-        tables: FxHashMap::default(),
-        table_words: 0,
-        jams: FxHashMap::default(),
+        pair_tables: FxHashMap::default(),
+        pair_table_words: 0,
+        joint_mdd_answers: FxHashMap::default(),
         ids: 0,
     };
     match tree.run() {
         Ok(end) => end,
-        Err(OutOfSteps) => End::GaveUp { bound: tree.bound() },
+        Err(OutOfSteps) => TreeAnswer::GaveUp { bound: tree.bound() },
     }
 }
 
@@ -98,8 +98,8 @@ pub fn search(task: ConstraintTreeTask, meter: &mut Meter) -> End {
 struct AgentPlan {
     /// Unique number of the plan.
     id: u32,
-    demand: AgentConstraint,
-    layers: Rc<MultiValueDecisionDiagram>,
+    constraint: AgentConstraint,
+    mdd: Rc<MultiValueDecisionDiagram>,
 }
 
 #[derive(Clone)]
@@ -123,33 +123,33 @@ struct ConstraintTree<'a, 'm> {
     /// By plan id and cost increase: the diagram at the raised cost.
     waits: FxHashMap<(u32, u32), Rc<MultiValueDecisionDiagram>>,
     /// By the ids of two plans: their compatibility table.
-    tables: FxHashMap<[u32; 2], Rc<CompatiblePairs>>,
-    table_words: usize,
+    pair_tables: FxHashMap<[u32; 2], Rc<CompatiblePairs>>,
+    pair_table_words: usize,
     /// By the ids of some plans: whether they are incompatible, or unknown.
-    jams: FxHashMap<Vec<u32>, Jam>,
+    joint_mdd_answers: FxHashMap<Vec<u32>, JointMddAnswer>,
     ids: u32,
 }
 
 impl ConstraintTree<'_, '_> {
-    fn run(&mut self) -> Result<End, OutOfSteps> {
-        let Some(root) = self.root()? else { return Ok(End::Nothing) };
+    fn run(&mut self) -> Result<TreeAnswer, OutOfSteps> {
+        let Some(root) = self.root()? else { return Ok(TreeAnswer::Nothing) };
         self.push(root);
         while let Some(Reverse((bound, _, Reverse(index)))) = self.open.peek().copied() {
             if bound >= self.task.ceiling {
-                return Ok(End::Nothing);
+                return Ok(TreeAnswer::Nothing);
             }
             // The node stays in the queue until it is processed, so that its bound counts if the budget ends here.
             let Some(mut node) = self.nodes[index].clone() else { unreachable!("an open node is stored") };
             if node.clashing.is_empty() {
-                let cost = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
-                return Ok(End::Found { paths: node.paths.iter().map(|path| path.to_vec()).collect(), cost });
+                let cost = node.plans.iter().map(|plan| u64::from(plan.mdd.cost())).sum();
+                return Ok(TreeAnswer::Found { paths: node.paths.iter().map(|path| path.to_vec()).collect(), cost });
             }
             let successors = self.successors(&mut node)?;
             self.open.pop();
             self.nodes[index] = None;
             successors.into_iter().for_each(|successor| self.push(successor));
         }
-        Ok(End::Nothing)
+        Ok(TreeAnswer::Nothing)
     }
 
     fn bound(&self) -> u64 {
@@ -166,10 +166,10 @@ impl ConstraintTree<'_, '_> {
     fn root(&mut self) -> Result<Option<ConstraintNode>, OutOfSteps> {
         let mut node = ConstraintNode { plans: vec![], paths: vec![], clashing: vec![], bound: 0 };
         for member in 0..self.task.group.len() {
-            let demand = AgentConstraint { bans: vec![], least: self.task.least, most: self.task.most };
-            let Some(plan) = self.plan(member, demand)? else { return Ok(None) };
-            let path = self.best_path(&node, member, &plan.layers);
-            node.bound += u64::from(plan.layers.cost());
+            let constraint = AgentConstraint { bans: vec![], least: self.task.least, most: self.task.most };
+            let Some(plan) = self.plan(member, constraint)? else { return Ok(None) };
+            let path = self.best_path(&node, member, &plan.mdd);
+            node.bound += u64::from(plan.mdd.cost());
             node.plans.push(plan);
             node.paths.push(Rc::new(path));
             self.find_clashes(&mut node, member);
@@ -179,25 +179,20 @@ impl ConstraintTree<'_, '_> {
         Ok(Some(node))
     }
 
-    fn plan(&mut self, member: usize, demand: AgentConstraint) -> Result<Option<Rc<AgentPlan>>, OutOfSteps> {
-        let (field, agent) = (self.task.field, self.task.group[member]);
-        let Some(cost) = least_cost(field, agent, &demand, self.meter)? else { return Ok(None) };
-        let layers = Rc::new(MultiValueDecisionDiagram::new(field, agent, &demand, cost, self.meter)?);
+    fn plan(&mut self, member: usize, constraint: AgentConstraint) -> Result<Option<Rc<AgentPlan>>, OutOfSteps> {
+        let (tables, agent) = (self.task.tables, self.task.group[member]);
+        let Some(cost) = least_cost(tables, agent, &constraint, self.meter)? else { return Ok(None) };
+        let mdd = Rc::new(MultiValueDecisionDiagram::new(tables, agent, &constraint, cost, self.meter)?);
         self.ids += 1;
-        Ok(Some(Rc::new(AgentPlan { id: self.ids, demand, layers })))
+        Ok(Some(Rc::new(AgentPlan { id: self.ids, constraint, mdd })))
     }
 
     /// A least-cost path of a member with few clashes.
-    fn best_path(
-        &mut self,
-        node: &ConstraintNode,
-        member: usize,
-        layers: &MultiValueDecisionDiagram,
-    ) -> Vec<CellIndex> {
+    fn best_path(&mut self, node: &ConstraintNode, member: usize, mdd: &MultiValueDecisionDiagram) -> Vec<CellIndex> {
         let others = self.others(node, member);
-        let positions = others.len() as u64 * u64::from(layers.cost());
-        let path = layers.best_path(self.task.field, self.task.group[member], &others);
-        self.meter.charge(layers.size() as u64 / NODES_A_STEP + positions / POSITIONS_A_STEP + 1);
+        let positions = others.len() as u64 * u64::from(mdd.cost());
+        let path = mdd.best_path(self.task.tables, self.task.group[member], &others);
+        self.meter.charge(mdd.size() as u64 / NODES_A_STEP + positions / POSITIONS_A_STEP + 1);
         path
     }
 
@@ -216,7 +211,7 @@ impl ConstraintTree<'_, '_> {
             let pair = [member.min(other), member.max(other)];
             let agents = pair.map(|member| self.task.group[member]);
             let paths = pair.map(|member| node.paths[member].as_slice());
-            if clashes(self.task.field, agents, paths).next().is_some() {
+            if clashes(self.task.tables, agents, paths).next().is_some() {
                 node.clashing.push(pair);
             }
         }
@@ -230,7 +225,7 @@ impl ConstraintTree<'_, '_> {
             let members: Vec<usize> =
                 (0..node.plans.len()).filter(|member| node.clashing.iter().any(|pair| pair.contains(member))).collect();
             for member in members {
-                let path = self.best_path(node, member, &node.plans[member].layers);
+                let path = self.best_path(node, member, &node.plans[member].mdd);
                 if path == *node.paths[member] {
                     continue;
                 }
@@ -249,7 +244,7 @@ impl ConstraintTree<'_, '_> {
 
     /// The bound of a node, raised by the cost increases of its clashing pairs.
     fn raised(&mut self, node: &ConstraintNode) -> Result<u64, OutOfSteps> {
-        let sum: u64 = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
+        let sum: u64 = node.plans.iter().map(|plan| u64::from(plan.mdd.cost())).sum();
         let mut edges = vec![];
         for pair in &node.clashing {
             edges.push(Edge { ends: *pair, weight: self.rise(node, *pair)? });
@@ -288,27 +283,26 @@ impl ConstraintTree<'_, '_> {
         if rises == [0, 0] {
             return Ok(self.table(node, pair).allows_start());
         }
-        let [first, second] = [(pair[0], &one), (pair[1], &other)]
-            .map(|(member, layers)| PairSide { agent: self.task.group[member], layers });
-        Ok(CompatiblePairs::new(self.task.field, first, second, self.meter).allows_start())
+        let [first, second] =
+            [(pair[0], &one), (pair[1], &other)].map(|(member, mdd)| PairSide { agent: self.task.group[member], mdd });
+        Ok(CompatiblePairs::new(self.task.tables, first, second, self.meter).allows_start())
     }
 
     /// The compatibility table of a pair, the smaller member first.
     fn table(&mut self, node: &ConstraintNode, pair: [usize; 2]) -> Rc<CompatiblePairs> {
         let plans = pair.map(|member| &node.plans[member]);
         let key = plans.map(|plan| plan.id);
-        if let Some(table) = self.tables.get(&key) {
+        if let Some(table) = self.pair_tables.get(&key) {
             return table.clone();
         }
-        let [one, other] =
-            pair.map(|member| PairSide { agent: self.task.group[member], layers: &node.plans[member].layers });
-        let table = Rc::new(CompatiblePairs::new(self.task.field, one, other, self.meter));
-        if self.table_words > MOST_TABLE_WORDS {
-            self.tables.clear();
-            self.table_words = 0;
+        let [one, other] = pair.map(|member| PairSide { agent: self.task.group[member], mdd: &node.plans[member].mdd });
+        let table = Rc::new(CompatiblePairs::new(self.task.tables, one, other, self.meter));
+        if self.pair_table_words > MOST_TABLE_WORDS {
+            self.pair_tables.clear();
+            self.pair_table_words = 0;
         }
-        self.table_words += table.words();
-        self.tables.insert(key, table.clone());
+        self.pair_table_words += table.words();
+        self.pair_tables.insert(key, table.clone());
         table
     }
 
@@ -320,21 +314,21 @@ impl ConstraintTree<'_, '_> {
         rise: u32,
     ) -> Result<Option<Rc<MultiValueDecisionDiagram>>, OutOfSteps> {
         let plan = &node.plans[member];
-        let cost = plan.layers.cost() + rise;
-        if rise == 0 || cost > plan.demand.most {
-            return Ok((rise == 0).then(|| plan.layers.clone()));
+        let cost = plan.mdd.cost() + rise;
+        if rise == 0 || cost > plan.constraint.most {
+            return Ok((rise == 0).then(|| plan.mdd.clone()));
         }
-        if let Some(layers) = self.waits.get(&(plan.id, rise)) {
-            return Ok(Some(layers.clone()));
+        if let Some(mdd) = self.waits.get(&(plan.id, rise)) {
+            return Ok(Some(mdd.clone()));
         }
-        let layers = Rc::new(MultiValueDecisionDiagram::new(
-            self.task.field, self.task.group[member], &plan.demand, cost, self.meter,
+        let mdd = Rc::new(MultiValueDecisionDiagram::new(
+            self.task.tables, self.task.group[member], &plan.constraint, cost, self.meter,
         )?);
         if self.waits.len() >= MOST_WAITS {
             self.waits.clear();
         }
-        self.waits.insert((plan.id, rise), layers.clone());
-        Ok(Some(layers))
+        self.waits.insert((plan.id, rise), mdd.clone());
+        Ok(Some(mdd))
     }
 
     /// The replacement of a node whose paths clash: itself with a higher bound or fewer clashes, or its children.
@@ -344,7 +338,7 @@ impl ConstraintTree<'_, '_> {
             node.bound = raised;
             return Ok(vec![node.clone()]);
         }
-        let Some(pair) = self.worst_pair(node)? else { return self.jam_successors(node) };
+        let Some(pair) = self.worst_pair(node)? else { return self.joint_mdd_successors(node) };
         let branches = self.split_by_cost(node, pair)?;
         self.children(node, branches.into())
     }
@@ -376,12 +370,12 @@ impl ConstraintTree<'_, '_> {
 
     /// Successors of a node in which every clashing pair is compatible: all of its members together may be compatible
     /// too, or some larger set is not.
-    fn jam_successors(&mut self, node: &mut ConstraintNode) -> Result<Vec<ConstraintNode>, OutOfSteps> {
+    fn joint_mdd_successors(&mut self, node: &mut ConstraintNode) -> Result<Vec<ConstraintNode>, OutOfSteps> {
         let mut members: Vec<usize> = node.clashing[0].to_vec();
         loop {
             members = self.clashing_with(node, members);
-            match self.jam(node, &members) {
-                Jam::Free(paths) => {
+            match self.joint_mdd_answer(node, &members) {
+                JointMddAnswer::Compatible(paths) => {
                     let clashes = node.clashing.len();
                     let mut freed = node.clone();
                     for (member, path) in members.iter().zip(paths) {
@@ -397,8 +391,8 @@ impl ConstraintTree<'_, '_> {
                     }
                     members = grown;
                 }
-                Jam::Stuck => {
-                    let sum: u64 = node.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
+                JointMddAnswer::Incompatible => {
+                    let sum: u64 = node.plans.iter().map(|plan| u64::from(plan.mdd.cost())).sum();
                     if sum + 1 > node.bound {
                         node.bound = sum + 1;
                         return Ok(vec![node.clone()]);
@@ -408,11 +402,11 @@ impl ConstraintTree<'_, '_> {
                     {
                         return self.children(node, branches.into());
                     }
-                    let members = self.fewest_stuck(node, members);
+                    let members = self.fewest_incompatible(node, members);
                     let branches = split::by_costs(members.iter().map(|member| self.party(node, *member)));
                     return self.children(node, branches);
                 }
-                Jam::Unknown => break,
+                JointMddAnswer::Unknown => break,
             }
         }
         let best = self.best_box(node, &node.clashing).expect("a clashing pair has a clash");
@@ -431,36 +425,36 @@ impl ConstraintTree<'_, '_> {
         }
     }
 
-    fn jam(&mut self, node: &ConstraintNode, members: &[usize]) -> Jam {
+    fn joint_mdd_answer(&mut self, node: &ConstraintNode, members: &[usize]) -> JointMddAnswer {
         let ids: Vec<u32> = members.iter().map(|member| node.plans[*member].id).collect();
-        if let Some(known) = self.jams.get(&ids) {
+        if let Some(known) = self.joint_mdd_answers.get(&ids) {
             return known.clone();
         }
-        if members.len() > jam::MOST_MEMBERS {
-            return Jam::Unknown;
+        if members.len() > joint_mdd::MOST_MEMBERS {
+            return JointMddAnswer::Unknown;
         }
-        let asked: Vec<jam::Member> = members
+        let asked: Vec<joint_mdd::Member> = members
             .iter()
-            .map(|member| jam::Member {
+            .map(|member| joint_mdd::Member {
                 agent: self.task.group[*member],
-                layers: node.plans[*member].layers.clone(),
+                mdd: node.plans[*member].mdd.clone(),
                 path: &node.paths[*member],
             })
             .collect();
-        let found = jam::search(self.task.field, &asked, self.meter);
-        if !matches!(found, Jam::Free(_)) {
-            self.jams.insert(ids, found.clone());
+        let found = joint_mdd::search(self.task.tables, &asked, self.meter);
+        if !matches!(found, JointMddAnswer::Compatible(_)) {
+            self.joint_mdd_answers.insert(ids, found.clone());
         }
         found
     }
 
     /// Drops members one by one while the rest is still incompatible.
-    fn fewest_stuck(&mut self, node: &ConstraintNode, mut members: Vec<usize>) -> Vec<usize> {
+    fn fewest_incompatible(&mut self, node: &ConstraintNode, mut members: Vec<usize>) -> Vec<usize> {
         let mut place = 0;
         while place < members.len() && members.len() > 2 {
             let mut fewer = members.clone();
             fewer.remove(place);
-            if self.jam(node, &fewer) == Jam::Stuck {
+            if self.joint_mdd_answer(node, &fewer) == JointMddAnswer::Incompatible {
                 members = fewer;
             } else {
                 place += 1;
@@ -471,14 +465,14 @@ impl ConstraintTree<'_, '_> {
 
     fn split_by_cost(&mut self, node: &ConstraintNode, pair: [usize; 2]) -> Result<[ConstraintBranch; 2], OutOfSteps> {
         let parties = self.parties(node, pair);
-        let at_goal = self.clashes_of(node, pair).find_map(|clash| split::at_goal(self.task.field, parties, clash));
+        let at_goal = self.clashes_of(node, pair).find_map(|clash| split::at_goal(self.task.tables, parties, clash));
         if let Some(branches) = at_goal {
             return Ok(branches);
         }
         let alone = [self.wait_alone(node, pair, 0)?, self.wait_alone(node, pair, 1)?];
         let longer = usize::from(alone[1] > alone[0]);
         let (first, second) = (parties[longer], parties[1 - longer]);
-        Ok(split::by_cost(first, second, first.layers.cost() + alone[longer]))
+        Ok(split::by_cost(first, second, first.mdd.cost() + alone[longer]))
     }
 
     /// The least cost increase of one agent of a pair alone at which the two are compatible, up to one more than
@@ -486,7 +480,7 @@ impl ConstraintTree<'_, '_> {
     /// valid.
     fn wait_alone(&mut self, node: &ConstraintNode, pair: [usize; 2], side: usize) -> Result<u32, OutOfSteps> {
         let plan = &node.plans[pair[side]];
-        let farthest = FARTHEST_WAIT.min(plan.demand.most - plan.layers.cost());
+        let farthest = FARTHEST_WAIT.min(plan.constraint.most - plan.mdd.cost());
         let (mut fails, mut goes) = (0, farthest + 1);
         while goes - fails > 1 {
             // The greatest increase first: if that fails, no other needs a try.
@@ -509,12 +503,12 @@ impl ConstraintTree<'_, '_> {
     fn box_splits(&self, node: &ConstraintNode, pair: [usize; 2]) -> Vec<(split::Leaves, [ConstraintBranch; 2])> {
         let parties = self.parties(node, pair);
         let weighed = self.clashes_of(node, pair).take(CLASHES_WEIGHED);
-        weighed.map(|clash| split::by_box(self.task.field, parties, clash)).collect()
+        weighed.map(|clash| split::by_box(self.task.tables, parties, clash)).collect()
     }
 
     fn clashes_of<'n>(&'n self, node: &'n ConstraintNode, pair: [usize; 2]) -> impl Iterator<Item = split::Clash> + 'n {
         clashes(
-            self.task.field,
+            self.task.tables,
             pair.map(|member| self.task.group[member]),
             pair.map(|member| node.paths[member].as_slice()),
         )
@@ -526,20 +520,20 @@ impl ConstraintTree<'_, '_> {
 
     fn party<'n>(&self, node: &'n ConstraintNode, member: usize) -> Party<'n> {
         let plan = &node.plans[member];
-        Party { member, agent: self.task.group[member], demand: &plan.demand, layers: &plan.layers }
+        Party { member, agent: self.task.group[member], constraint: &plan.constraint, mdd: &plan.mdd }
     }
 
     /// A node with some constraints replaced; `None` if one of them cannot be met.
     fn child(&mut self, node: &ConstraintNode, branch: ConstraintBranch) -> Result<Option<ConstraintNode>, OutOfSteps> {
         let mut child = node.clone();
-        for (member, demand) in branch {
-            let Some(plan) = self.plan(member, demand)? else { return Ok(None) };
+        for (member, constraint) in branch {
+            let Some(plan) = self.plan(member, constraint)? else { return Ok(None) };
             child.plans[member] = plan;
-            let path = self.best_path(&child, member, &child.plans[member].layers);
+            let path = self.best_path(&child, member, &child.plans[member].mdd);
             child.paths[member] = Rc::new(path);
             self.find_clashes(&mut child, member);
         }
-        let sum = child.plans.iter().map(|plan| u64::from(plan.layers.cost())).sum();
+        let sum = child.plans.iter().map(|plan| u64::from(plan.mdd.cost())).sum();
         child.bound = child.bound.max(sum);
         if child.bound < self.task.ceiling {
             self.polish(&mut child);

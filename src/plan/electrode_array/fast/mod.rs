@@ -14,8 +14,8 @@
 //! (36 bytes each), with the moves of all paths times the separation (24 bytes each times two), and with at most 128 MB
 //! of tables.
 
-mod crew;
 mod distances;
+mod planned_instance;
 mod polish;
 mod prioritise;
 mod repair;
@@ -25,8 +25,8 @@ mod weights;
 
 use super::board::{BoardCosts, BoardObjective, CellIndex, Instance, NoBoardPlan, Paths};
 use crate::plan::search::{Meter, SearchBudget};
-use crew::PlannedInstance;
 pub(super) use distances::{DistanceField, Distances, UNREACHABLE};
+use planned_instance::PlannedInstance;
 use prioritise::PrioritisedOutcome;
 
 /// Boards with more cells are not planned.
@@ -54,27 +54,27 @@ impl FirstPlanTerms {
 pub fn bounds(instance: &Instance) -> Result<BoardCosts, NoBoardPlan> {
     let mut unlimited = Meter::new(SearchBudget::of(u64::MAX));
     let mut distances = distances::Distances::of(&instance.board);
-    let least = crew::individual(instance, &mut distances, &mut unlimited)?;
+    let least = planned_instance::individual(instance, &mut distances, &mut unlimited)?;
     Ok(total(&least))
 }
 
 /// A first plan, unless the meter runs out, an agent is enclosed, or the board has more than [`MAX_CELLS`].
 pub fn first(instance: &Instance, terms: FirstPlanTerms, meter: &mut Meter) -> Option<Paths> {
-    let mut crew = begin(instance, terms, meter)?;
-    match prioritise::prioritise(&mut crew, meter) {
+    let mut planned = begin(instance, terms, meter)?;
+    match prioritise::prioritise(&mut planned, meter) {
         PrioritisedOutcome::Plan(paths) => Some(paths),
-        PrioritisedOutcome::Part(part) => repair::repair(&mut crew, part, terms.most_pairs(), meter),
+        PrioritisedOutcome::Part(part) => repair::repair(&mut planned, part, terms.most_pairs(), meter),
     }
 }
 
 /// A plan within a step limit, made from a longer legal plan: paths that arrive too late are replanned and repaired.
 /// Returns `None` in the same cases as [`first`].
 pub fn tighten(instance: &Instance, paths: &Paths, terms: FirstPlanTerms, meter: &mut Meter) -> Option<Paths> {
-    let mut crew = begin(instance, terms, meter)?;
-    let limit = u64::from(crew.step_limit);
+    let mut planned = begin(instance, terms, meter)?;
+    let limit = u64::from(planned.step_limit);
     let arrives = |path: &&Vec<CellIndex>| path.len() as u64 - 1 <= limit;
     let part = paths.iter().map(|path| Some(path).filter(arrives).cloned()).collect();
-    repair::repair(&mut crew, part, terms.most_pairs(), meter)
+    repair::repair(&mut planned, part, terms.most_pairs(), meter)
 }
 
 /// State for a first plan; `None` where the board is too large or the limit is below the bound.
@@ -82,9 +82,9 @@ fn begin<'a>(instance: &'a Instance, terms: FirstPlanTerms, meter: &mut Meter) -
     if instance.board.cells() > MAX_CELLS {
         return None;
     }
-    let mut crew = PlannedInstance::new(instance, terms.seed, meter).ok()?;
-    crew.step_limit = terms.step_limit.unwrap_or(crew.step_limit);
-    (u64::from(crew.step_limit) >= total(&crew.least).makespan).then_some(crew)
+    let mut planned = PlannedInstance::new(instance, terms.seed, meter).ok()?;
+    planned.step_limit = terms.step_limit.unwrap_or(planned.step_limit);
+    (u64::from(planned.step_limit) >= total(&planned.least).makespan).then_some(planned)
 }
 
 /// The best plan found, starting from a legal one, which is returned if none is better. Ends early if both bounds are
@@ -93,9 +93,9 @@ pub fn improve(instance: &Instance, paths: Paths, objective: BoardObjective, see
     if instance.board.cells() > MAX_CELLS {
         return paths;
     }
-    let Ok(mut crew) = PlannedInstance::new(instance, seed, meter) else { return paths };
-    let bounds = total(&crew.least);
-    polish::polish(&mut crew, paths, objective, bounds, meter)
+    let Ok(mut planned) = PlannedInstance::new(instance, seed, meter) else { return paths };
+    let bounds = total(&planned.least);
+    polish::polish(&mut planned, paths, objective, bounds, meter)
 }
 
 fn total(least: &[u32]) -> BoardCosts {

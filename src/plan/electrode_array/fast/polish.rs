@@ -6,7 +6,7 @@
 //! stays legal and never gets worse; it is optimal where it meets the bounds. Not guaranteed: an optimum within any budget. Cost:
 //! one search for each agent of a neighbourhood ([`SIZES`]).
 
-use super::crew::{PlannedInstance, Wish};
+use super::planned_instance::{PathTerms, PlannedInstance};
 use super::reservations::Others;
 use crate::plan::electrode_array::board::{BoardCosts, BoardObjective, CellIndex, Paths};
 use crate::plan::search::Meter;
@@ -65,7 +65,7 @@ impl<const N: usize> AdaptiveWeights<N> {
 const EVEN: u64 = 1 << 14;
 
 struct Polish<'c, 'a> {
-    crew: &'c mut PlannedInstance<'a>,
+    planned: &'c mut PlannedInstance<'a>,
     paths: Paths,
     objective: BoardObjective,
     bounds: BoardCosts,
@@ -77,15 +77,15 @@ struct Polish<'c, 'a> {
 
 /// Improves a plan; `bounds` are those of the agents alone.
 pub(super) fn polish(
-    crew: &mut PlannedInstance,
+    planned: &mut PlannedInstance,
     paths: Paths,
     objective: BoardObjective,
     bounds: BoardCosts,
     meter: &mut Meter,
 ) -> Paths {
-    crew.enter_all(&paths);
+    planned.enter_all(&paths);
     let mut state = Polish {
-        crew,
+        planned,
         paths: paths.clone(),
         objective,
         bounds,
@@ -111,7 +111,7 @@ impl Polish<'_, '_> {
     }
 
     fn delay(&self, agent: usize) -> u64 {
-        self.arrival(agent) - u64::from(self.crew.least[agent])
+        self.arrival(agent) - u64::from(self.planned.least[agent])
     }
 
     fn key(&self) -> PlanKey {
@@ -127,8 +127,8 @@ impl Polish<'_, '_> {
 
     /// Replans one neighbourhood.
     fn round(&mut self, meter: &mut Meter) {
-        let pick = self.choices.pick(&mut self.crew.random);
-        let pick_size = self.sizes.pick(&mut self.crew.random);
+        let pick = self.choices.pick(&mut self.planned.random);
+        let pick_size = self.sizes.pick(&mut self.planned.random);
         let size = SIZES[pick_size];
         let chosen = match CHOICES[pick] {
             NeighbourhoodChoice::Blockers => self.blockers(size, meter),
@@ -144,10 +144,10 @@ impl Polish<'_, '_> {
 
     /// A late agent, in turn. If the makespan is minimised and above its bound, half of the time one that arrives last.
     fn late(&mut self) -> usize {
-        let count = self.crew.count();
+        let count = self.planned.count();
         let makespan = BoardCosts::of(&self.paths).makespan;
         let too_long = self.objective == BoardObjective::Makespan && makespan > self.bounds.makespan;
-        let last_ones = too_long && self.crew.random.below(2) == 0;
+        let last_ones = too_long && self.planned.random.below(2) == 0;
         for step in 1..=count {
             let agent = (self.turn + step) % count;
             if (last_ones && self.arrival(agent) == makespan) || (!last_ones && self.delay(agent) > 0) {
@@ -155,14 +155,14 @@ impl Polish<'_, '_> {
                 return agent;
             }
         }
-        self.crew.random.below(count)
+        self.planned.random.below(count)
     }
 
     fn blockers(&mut self, size: usize, meter: &mut Meter) -> Vec<usize> {
         let agent = self.late();
-        let way = self.crew.alone(agent, meter);
-        let mut others = self.crew.conflicts(agent, &way);
-        self.crew.random.shuffle(&mut others);
+        let way = self.planned.alone(agent, meter);
+        let mut others = self.planned.conflicts(agent, &way);
+        self.planned.random.shuffle(&mut others);
         let mut chosen = vec![agent];
         chosen.extend(others.into_iter().take(size - 1));
         self.fill(chosen, size.min(2))
@@ -171,11 +171,11 @@ impl Polish<'_, '_> {
     fn crossing(&mut self, size: usize) -> Vec<usize> {
         let agent = self.late();
         let path = &self.paths[agent];
-        let cell = path[self.crew.random.below(path.len())];
-        let mut others: Vec<usize> = self.crew.table.visitors(cell).filter(|other| *other != agent).collect();
+        let cell = path[self.planned.random.below(path.len())];
+        let mut others: Vec<usize> = self.planned.table.visitors(cell).filter(|other| *other != agent).collect();
         others.sort_unstable();
         others.dedup();
-        self.crew.random.shuffle(&mut others);
+        self.planned.random.shuffle(&mut others);
         let mut chosen = vec![agent];
         chosen.extend(others.into_iter().take(size - 1));
         self.fill(chosen, size.min(2))
@@ -187,9 +187,9 @@ impl Polish<'_, '_> {
 
     /// Fills the neighbourhood to a size with random agents.
     fn fill(&mut self, mut chosen: Vec<usize>, size: usize) -> Vec<usize> {
-        let size = size.min(self.crew.count());
+        let size = size.min(self.planned.count());
         while chosen.len() < size {
-            let agent = self.crew.random.below(self.crew.count());
+            let agent = self.planned.random.below(self.planned.count());
             if !chosen.contains(&agent) {
                 chosen.push(agent);
             }
@@ -200,10 +200,10 @@ impl Polish<'_, '_> {
     /// Replans the chosen agents and keeps a result that is not worse; returns whether it is better.
     fn again(&mut self, chosen: &[usize], before: PlanKey, meter: &mut Meter) -> bool {
         for agent in chosen {
-            self.crew.table.hide(*agent);
+            self.planned.table.hide(*agent);
         }
         let mut order = chosen.to_vec();
-        self.crew.random.shuffle(&mut order);
+        self.planned.random.shuffle(&mut order);
         let mut found = self.place(&order, meter);
         if found.len() == order.len() {
             self.swap(&order, &mut found);
@@ -216,7 +216,7 @@ impl Polish<'_, '_> {
         }
         for (turn, agent) in order.iter().enumerate() {
             let instead = found.get(turn).filter(|_| turn + 1 < order.len());
-            self.crew.table.reject(*agent, instead.map(Vec::as_slice));
+            self.planned.table.reject(*agent, instead.map(Vec::as_slice));
         }
         false
     }
@@ -230,10 +230,10 @@ impl Polish<'_, '_> {
     /// Updates the table to the new paths; that of the last agent in the order is not in it yet.
     fn accept(&mut self, order: &[usize], old: &[Vec<CellIndex>]) {
         if let Some(last) = order.last() {
-            self.crew.table.add_instead(*last, &self.paths[*last]);
+            self.planned.table.add_instead(*last, &self.paths[*last]);
         }
         for (agent, path) in order.iter().zip(old) {
-            self.crew.table.accept(*agent, path);
+            self.planned.table.accept(*agent, path);
         }
     }
 
@@ -243,15 +243,16 @@ impl Polish<'_, '_> {
         let (limit, mut slack) = self.allowance(order);
         let mut found = Vec::with_capacity(order.len());
         for (turn, agent) in order.iter().enumerate() {
-            let least = u64::from(self.crew.least[*agent]);
+            let least = u64::from(self.planned.least[*agent]);
             // A path that arrives later than this would make the sum of costs worse, whatever the rest of the chosen
             // agents do.
             let limit = limit.min(least.saturating_add(slack)).min(u64::from(u32::MAX));
-            let wish = Wish { others: Others::Hard, weight: 0, haste: 0, limit: limit as u32, delay: 0, detour: None };
-            let Some(path) = self.crew.plan(*agent, wish, meter) else { break };
+            let terms =
+                PathTerms { others: Others::Hard, weight: 0, haste: 0, limit: limit as u32, delay: 0, detour: None };
+            let Some(path) = self.planned.plan(*agent, terms, meter) else { break };
             slack -= (path.len() as u64 - 1 - least).min(slack);
             if turn + 1 < order.len() {
-                self.crew.table.add_instead(*agent, &path);
+                self.planned.table.add_instead(*agent, &path);
             }
             found.push(path);
         }
@@ -262,7 +263,7 @@ impl Polish<'_, '_> {
     fn allowance(&self, chosen: &[usize]) -> (u64, u64) {
         let slack = chosen.iter().map(|agent| self.delay(*agent)).sum();
         let ours = chosen.iter().map(|agent| self.arrival(*agent)).max().unwrap_or(0);
-        let rest = (0..self.crew.count()).filter(|agent| !chosen.contains(agent));
+        let rest = (0..self.planned.count()).filter(|agent| !chosen.contains(agent));
         let theirs = rest.map(|agent| self.arrival(agent)).max().unwrap_or(0);
         // With the makespan at its bound, only the sum of costs can improve. Above it, the latest arrival counts first:
         // if it is among the chosen agents, they must all arrive earlier; otherwise they may arrive as late as the

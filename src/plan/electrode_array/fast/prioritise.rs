@@ -5,7 +5,7 @@
 //! the next order. Guaranteed: a returned plan is legal. Not guaranteed: that one is found; some solvable instances
 //! have no order that works. Cost: at most [`ORDERS`] orders of one search for each agent.
 
-use super::crew::{PlannedInstance, Wish};
+use super::planned_instance::{PathTerms, PlannedInstance};
 use super::reservations::{Others, Reservations};
 use crate::plan::electrode_array::board::{CellIndex, Paths};
 use crate::plan::search::Meter;
@@ -42,19 +42,19 @@ pub(super) enum PrioritisedOutcome {
 
 /// Tries orders: at first the agents with the shortest paths come first; then each time the agents that found no path
 /// move to the front.
-pub(super) fn prioritise(crew: &mut PlannedInstance, meter: &mut Meter) -> PrioritisedOutcome {
-    let mut order: Vec<usize> = (0..crew.count()).collect();
-    order.sort_by_key(|agent| crew.least[*agent]);
-    let (mut best, mut fewest) = (vec![None; crew.count()], crew.count() + 1);
+pub(super) fn prioritise(planned: &mut PlannedInstance, meter: &mut Meter) -> PrioritisedOutcome {
+    let mut order: Vec<usize> = (0..planned.count()).collect();
+    order.sort_by_key(|agent| planned.least[*agent]);
+    let (mut best, mut fewest) = (vec![None; planned.count()], planned.count() + 1);
     for _ in 0..ORDERS {
-        let (paths, failed) = attempt(crew, &order, fewest, meter);
+        let (paths, failed) = attempt(planned, &order, fewest, meter);
         if failed.is_empty() {
             return PrioritisedOutcome::Plan(paths.into_iter().flatten().collect());
         }
         if failed.len() < fewest {
             (best, fewest) = (paths, failed.len());
         }
-        if meter.left().steps == 0 || fewest * FEW < crew.count() {
+        if meter.left().steps == 0 || fewest * FEW < planned.count() {
             break;
         }
         order.retain(|agent| !failed.contains(agent));
@@ -65,25 +65,31 @@ pub(super) fn prioritise(crew: &mut PlannedInstance, meter: &mut Meter) -> Prior
 
 /// Plans in an order until `most` agents have found no path; returns the paths, and the agents without one.
 fn attempt(
-    crew: &mut PlannedInstance,
+    planned: &mut PlannedInstance,
     order: &[usize],
     most: usize,
     meter: &mut Meter,
 ) -> (Vec<Option<Vec<CellIndex>>>, Vec<usize>) {
-    crew.table = Reservations::new(crew.instance);
-    let until = HAZARD_SEPARATIONS * crew.instance.separation;
+    planned.table = Reservations::new(planned.instance);
+    let until = HAZARD_SEPARATIONS * planned.instance.separation;
     for agent in order {
-        crew.table.add_hazard(*agent, crew.instance.agents[*agent].start, until);
+        planned.table.add_hazard(*agent, planned.instance.agents[*agent].start, until);
     }
-    let (mut paths, mut failed) = (vec![None; crew.count()], Vec::new());
-    let wish =
-        Wish { others: Others::Hard, weight: HAZARD_WEIGHT, haste: HASTE, limit: u32::MAX, delay: 0, detour: None };
+    let (mut paths, mut failed) = (vec![None; planned.count()], Vec::new());
+    let terms = PathTerms {
+        others: Others::Hard,
+        weight: HAZARD_WEIGHT,
+        haste: HASTE,
+        limit: u32::MAX,
+        delay: 0,
+        detour: None,
+    };
     for agent in order {
-        crew.table.remove_hazard(*agent, crew.instance.agents[*agent].start);
-        let allowed = SEARCH_STEPS + SEARCH_STEPS_PER_MOVE * u64::from(crew.least[*agent]);
-        let path = meter.share(allowed, |meter| crew.plan(*agent, wish, meter));
+        planned.table.remove_hazard(*agent, planned.instance.agents[*agent].start);
+        let allowed = SEARCH_STEPS + SEARCH_STEPS_PER_MOVE * u64::from(planned.least[*agent]);
+        let path = meter.share(allowed, |meter| planned.plan(*agent, terms, meter));
         match &path {
-            Some(path) => crew.table.add(*agent, path),
+            Some(path) => planned.table.add(*agent, path),
             None => failed.push(*agent),
         }
         paths[*agent] = path;

@@ -6,7 +6,7 @@
 //! a corridor, one of them must enter a bay. Guaranteed: a returned plan is legal. Not guaranteed: that one is found; the search
 //! ends with its meter. Cost: one search for each agent of a neighbourhood of at most [`LARGEST`].
 
-use super::crew::{PlannedInstance, Wish};
+use super::planned_instance::{PathTerms, PlannedInstance};
 use super::reservations::Others;
 use super::weights::ConflictWeights;
 use crate::plan::electrode_array::board::{CellIndex, Paths};
@@ -71,26 +71,26 @@ impl RepairState {
 /// Completes and repairs the paths of an attempt; `None` if more than `most_pairs` pairs conflict at the start, or the
 /// meter runs out.
 pub(super) fn repair(
-    crew: &mut PlannedInstance,
+    planned: &mut PlannedInstance,
     part: Vec<Option<Vec<CellIndex>>>,
     most_pairs: usize,
     meter: &mut Meter,
 ) -> Option<Paths> {
-    crew.weights = ConflictWeights::new(crew.count());
-    let mut state = begin(crew, part, meter)?;
+    planned.weights = ConflictWeights::new(planned.count());
+    let mut state = begin(planned, part, meter)?;
     let (mut pairs, mut vain_rounds) = (state.pairs(), 0);
     if pairs > most_pairs {
         return None;
     }
     while pairs > 0 {
         meter.step()?;
-        let chosen = neighbourhood(crew, &state);
-        again(crew, &mut state, chosen, meter)?;
+        let chosen = neighbourhood(planned, &state);
+        replan(planned, &mut state, chosen, meter)?;
         let before = std::mem::replace(&mut pairs, state.pairs());
         vain_rounds += usize::from(pairs >= before);
         if vain_rounds == RAISING_ROUNDS {
             vain_rounds = 0;
-            raise(&mut crew.weights, &state);
+            raise(&mut planned.weights, &state);
         }
     }
     Some(state.paths)
@@ -104,22 +104,22 @@ fn raise(weights: &mut ConflictWeights, state: &RepairState) {
 }
 
 /// Enters the paths of an attempt and plans the missing ones, conflicts allowed.
-fn begin(crew: &mut PlannedInstance, part: Vec<Option<Vec<CellIndex>>>, meter: &mut Meter) -> Option<RepairState> {
+fn begin(planned: &mut PlannedInstance, part: Vec<Option<Vec<CellIndex>>>, meter: &mut Meter) -> Option<RepairState> {
     let known = part.iter().flatten().cloned().collect::<Vec<_>>();
     let agents: Vec<usize> = (0..part.len()).filter(|agent| part[*agent].is_some()).collect();
-    crew.table = super::reservations::Reservations::new(crew.instance);
+    planned.table = super::reservations::Reservations::new(planned.instance);
     for (agent, path) in agents.iter().zip(&known) {
-        crew.table.add(*agent, path);
+        planned.table.add(*agent, path);
     }
     let mut state = RepairState { paths: vec![Vec::new(); part.len()], near: vec![Vec::new(); part.len()] };
     for (agent, path) in part.into_iter().enumerate() {
         state.paths[agent] = match path {
             Some(path) => path,
             None => {
-                let path = crew.plan(agent, SOFT, meter)?;
-                let others = crew.conflicts(agent, &path);
+                let path = planned.plan(agent, SOFT, meter)?;
+                let others = planned.conflicts(agent, &path);
                 state.link(agent, others);
-                crew.table.add(agent, &path);
+                planned.table.add(agent, &path);
                 path
             }
         };
@@ -127,73 +127,79 @@ fn begin(crew: &mut PlannedInstance, part: Vec<Option<Vec<CellIndex>>>, meter: &
     Some(state)
 }
 
-const SOFT: Wish = Wish { others: Others::Soft, weight: WEIGHT, haste: HASTE, limit: u32::MAX, delay: 0, detour: None };
+const SOFT: PathTerms =
+    PathTerms { others: Others::Soft, weight: WEIGHT, haste: HASTE, limit: u32::MAX, delay: 0, detour: None };
 
 /// Agents around a conflict: a random walk along conflicts, filled up with agents that pass nearby.
-fn neighbourhood(crew: &mut PlannedInstance, state: &RepairState) -> Vec<usize> {
-    let troubled: Vec<usize> = (0..crew.count()).filter(|agent| !state.near[*agent].is_empty()).collect();
-    let size = (2 + crew.random.below(LARGEST - 1)).min(crew.count());
-    let mut chosen = vec![troubled[crew.random.below(troubled.len())]];
+fn neighbourhood(planned: &mut PlannedInstance, state: &RepairState) -> Vec<usize> {
+    let troubled: Vec<usize> = (0..planned.count()).filter(|agent| !state.near[*agent].is_empty()).collect();
+    let size = (2 + planned.random.below(LARGEST - 1)).min(planned.count());
+    let mut chosen = vec![troubled[planned.random.below(troubled.len())]];
     let mut at = chosen[0];
     for _ in 0..4 * size {
         if chosen.len() >= size {
             break;
         }
         let near = &state.near[at];
-        let next = if !near.is_empty() && crew.random.below(3) > 0 {
-            near[crew.random.below(near.len())]
+        let next = if !near.is_empty() && planned.random.below(3) > 0 {
+            near[planned.random.below(near.len())]
         } else {
-            passer(crew, &state.paths[at])
+            passer(planned, &state.paths[at])
         };
         if !chosen.contains(&next) {
             chosen.push(next);
         }
-        at = chosen[crew.random.below(chosen.len())];
+        at = chosen[planned.random.below(chosen.len())];
     }
     chosen
 }
 
 /// An agent that passes near a random position of a path.
-fn passer(crew: &mut PlannedInstance, path: &[CellIndex]) -> usize {
-    let cell = path[crew.random.below(path.len())];
-    let count = crew.table.visitors(cell).count();
-    let pick = crew.random.below(count);
-    crew.table.visitors(cell).nth(pick).expect("the path itself is in the table")
+fn passer(planned: &mut PlannedInstance, path: &[CellIndex]) -> usize {
+    let cell = path[planned.random.below(path.len())];
+    let count = planned.table.visitors(cell).count();
+    let pick = planned.random.below(count);
+    planned.table.visitors(cell).nth(pick).expect("the path itself is in the table")
 }
 
 /// Replans the chosen agents; undone if the conflicts weigh more than before. `None` when the meter runs out.
-fn again(crew: &mut PlannedInstance, state: &mut RepairState, mut chosen: Vec<usize>, meter: &mut Meter) -> Option<()> {
-    let before = state.weight(&crew.weights);
+fn replan(
+    planned: &mut PlannedInstance,
+    state: &mut RepairState,
+    mut chosen: Vec<usize>,
+    meter: &mut Meter,
+) -> Option<()> {
+    let before = state.weight(&planned.weights);
     let old: Vec<_> = chosen.iter().map(|agent| (*agent, state.paths[*agent].clone())).collect();
     for (agent, path) in &old {
-        crew.table.remove(*agent, path);
+        planned.table.remove(*agent, path);
         state.unlink(*agent);
     }
-    crew.random.shuffle(&mut chosen);
+    planned.random.shuffle(&mut chosen);
     let mut placed = 0;
     for agent in &chosen {
-        let wish = otherwise(crew, &state.paths[*agent]);
-        let Some(path) = crew.plan(*agent, wish, meter) else { break };
-        let others = crew.conflicts(*agent, &path);
+        let terms = varied_terms(planned, &state.paths[*agent]);
+        let Some(path) = planned.plan(*agent, terms, meter) else { break };
+        let others = planned.conflicts(*agent, &path);
         state.link(*agent, others);
-        crew.table.add(*agent, &path);
+        planned.table.add(*agent, &path);
         state.paths[*agent] = path;
         placed += 1;
-        if state.weight(&crew.weights) > before {
+        if state.weight(&planned.weights) > before {
             break;
         }
     }
-    if placed == chosen.len() && state.weight(&crew.weights) <= before {
+    if placed == chosen.len() && state.weight(&planned.weights) <= before {
         return Some(());
     }
     for agent in &chosen[..placed] {
-        crew.table.remove(*agent, &state.paths[*agent]);
+        planned.table.remove(*agent, &state.paths[*agent]);
         state.unlink(*agent);
     }
     for (agent, path) in old {
-        let others = crew.conflicts(agent, &path);
+        let others = planned.conflicts(agent, &path);
         state.link(agent, others);
-        crew.table.add(agent, &path);
+        planned.table.add(agent, &path);
         state.paths[agent] = path;
     }
     (meter.left().steps > 0).then_some(())
@@ -201,24 +207,24 @@ fn again(crew: &mut PlannedInstance, state: &mut RepairState, mut chosen: Vec<us
 
 /// Settings for replanning: mostly the shortest path; some agents wait or detour first, for agents that cannot pass
 /// otherwise.
-fn otherwise(crew: &mut PlannedInstance, path: &[CellIndex]) -> Wish {
-    if crew.random.below(DELAYED) == 0 {
-        return Wish { delay: crew.random.below(path.len() + LONGEST_DELAY) as u32, ..SOFT };
+fn varied_terms(planned: &mut PlannedInstance, path: &[CellIndex]) -> PathTerms {
+    if planned.random.below(DELAYED) == 0 {
+        return PathTerms { delay: planned.random.below(path.len() + LONGEST_DELAY) as u32, ..SOFT };
     }
-    if crew.random.below(DETOURED) == 0 {
-        return Wish { detour: beside(crew, path), ..SOFT };
+    if planned.random.below(DETOURED) == 0 {
+        return PathTerms { detour: beside(planned, path), ..SOFT };
     }
     SOFT
 }
 
 /// A random cell near a random position of a path; `None` if it is blocked.
-fn beside(crew: &mut PlannedInstance, path: &[CellIndex]) -> Option<CellIndex> {
-    let board = &crew.instance.board;
-    let (column, row) = board.place(path[crew.random.below(path.len())]);
-    let reach = DETOUR_SEPARATIONS * crew.instance.separation;
+fn beside(planned: &mut PlannedInstance, path: &[CellIndex]) -> Option<CellIndex> {
+    let board = &planned.instance.board;
+    let (column, row) = board.place(path[planned.random.below(path.len())]);
+    let reach = DETOUR_SEPARATIONS * planned.instance.separation;
     let mut near = |at: u32, side: u32| {
         let (low, high) = (at.saturating_sub(reach), at.saturating_add(reach).min(side - 1));
-        low + crew.random.below((high - low) as usize + 1) as u32
+        low + planned.random.below((high - low) as usize + 1) as u32
     };
     let cell = board.cell(near(column, board.width()), near(row, board.height()));
     (!board.is_blocked(cell)).then_some(cell)

@@ -17,7 +17,7 @@
 //! is one tried move of one agent; memory is at most some 50 bytes for each, and some 400 MB in all.
 
 use super::board::{CellIndex, MetCells, Paths};
-use super::exact::field::{ExactTables, FAR, StagedCell};
+use super::exact::tables::{ExactTables, FAR, StagedCell};
 use crate::plan::search::{Meter, SearchAnswer};
 use states::States;
 
@@ -59,7 +59,7 @@ const MOST_MEMBERS: usize = 64;
 const MOST_SUMMED: usize = 12;
 
 /// Searches for the agents of `group` alone.
-pub fn search(field: &ExactTables, group: &[usize], aim: JointAim, meter: &mut Meter) -> JointAnswer {
+pub fn search(tables: &ExactTables, group: &[usize], aim: JointAim, meter: &mut Meter) -> JointAnswer {
     if group.is_empty() {
         return JointAnswer::Found(vec![]);
     }
@@ -67,24 +67,24 @@ pub fn search(field: &ExactTables, group: &[usize], aim: JointAim, meter: &mut M
     if group.len() > most {
         return JointAnswer::GaveUp(0);
     }
-    let mut search = JointSearch::new(field, group, aim);
+    let mut search = JointSearch::new(tables, group, aim);
     search.begin();
     search.run(meter)
 }
 
 /// The cells that each member of a group without a plan can reach when the members move in turn, ascending; only cells
 /// from which the member alone could still reach its goal. `None` if the meter runs out, or if there is a plan.
-pub fn reached(field: &ExactTables, group: &[usize], meter: &mut Meter) -> Option<Vec<Vec<CellIndex>>> {
+pub fn reached(tables: &ExactTables, group: &[usize], meter: &mut Meter) -> Option<Vec<Vec<CellIndex>>> {
     if group.is_empty() || group.len() > MOST_MEMBERS {
         return None;
     }
-    let mut search = JointSearch::new(field, group, JointAim::Any);
+    let mut search = JointSearch::new(tables, group, JointAim::Any);
     search.begin();
     let JointAnswer::Impossible(_) = search.run(meter) else { return None };
-    let mut met = MetCells::new(group.len(), field.instance.board.cells());
+    let mut met = MetCells::new(group.len(), tables.instance.board.cells());
     for state in 0..search.states.count() {
         let words = search.states.words(state)[..group.len()].iter();
-        words.enumerate().for_each(|(member, word)| met.meet(member, field.cell(word >> 1)));
+        words.enumerate().for_each(|(member, word)| met.meet(member, tables.cell(word >> 1)));
     }
     Some(met.listed())
 }
@@ -95,7 +95,7 @@ type AgentWord = u32;
 const PARKED: AgentWord = 1;
 
 struct JointSearch<'a> {
-    field: &'a ExactTables<'a>,
+    tables: &'a ExactTables<'a>,
     group: &'a [usize],
     aim: JointAim,
     states: States,
@@ -107,14 +107,14 @@ struct JointSearch<'a> {
 }
 
 impl<'a> JointSearch<'a> {
-    fn new(field: &'a ExactTables, group: &'a [usize], aim: JointAim) -> Self {
+    fn new(tables: &'a ExactTables, group: &'a [usize], aim: JointAim) -> Self {
         let timed = matches!(aim, JointAim::SumOfCosts { limit: Some(_) });
         let states = States::new(group.len() + usize::from(timed));
-        JointSearch { field, group, aim, states, open: vec![], lowest: 0, limited: false }
+        JointSearch { tables, group, aim, states, open: vec![], lowest: 0, limited: false }
     }
 
     fn begin(&mut self) {
-        let mut words: Vec<AgentWord> = self.group.iter().map(|agent| self.field.start(*agent) * 2).collect();
+        let mut words: Vec<AgentWord> = self.group.iter().map(|agent| self.tables.start(*agent) * 2).collect();
         words.resize(self.states.width(), 0);
         self.insert_with_parking(&mut words, 0, 0, u32::MAX, &[]);
     }
@@ -132,13 +132,13 @@ impl<'a> JointSearch<'a> {
         if !matches!(self.aim, JointAim::SumOfCosts { .. }) || member == self.group.len() {
             return self.insert(words, cost, parent);
         }
-        let arrives = words[member] >> 1 == self.field.goal(self.group[member]);
+        let arrives = words[member] >> 1 == self.tables.goal(self.group[member]);
         let was_there = before.get(member).is_some_and(|word| *word >> 1 == words[member] >> 1);
         if arrives && !was_there && words[member] & PARKED == 0 {
             words[member] |= PARKED;
             self.insert_with_parking(words, member + 1, cost, parent, before);
             words[member] &= !PARKED;
-            if self.field.is_absorbed(self.group[member]) {
+            if self.tables.is_absorbed(self.group[member]) {
                 return;
             }
         }
@@ -185,7 +185,7 @@ impl<'a> JointSearch<'a> {
     /// Least steps of an agent. One that waits on its goal without having arrived for good must leave it and come back:
     /// 2 steps.
     fn own_distance(&self, agent: usize, word: AgentWord) -> u32 {
-        let distance = self.field.distance(agent, word >> 1);
+        let distance = self.tables.distance(agent, word >> 1);
         let unsettled = matches!(self.aim, JointAim::SumOfCosts { .. }) && word & PARKED == 0 && distance == 0;
         if unsettled { 2 } else { distance }
     }
@@ -240,7 +240,7 @@ impl<'a> JointSearch<'a> {
     fn is_final(&self, state: u32) -> bool {
         let words = self.states.words(state);
         self.group.iter().zip(words).all(|(agent, word)| match self.aim {
-            JointAim::Any | JointAim::Moves | JointAim::Makespan { .. } => word >> 1 == self.field.goal(*agent),
+            JointAim::Any | JointAim::Moves | JointAim::Makespan { .. } => word >> 1 == self.tables.goal(*agent),
             JointAim::SumOfCosts { .. } => word & PARKED != 0,
         })
     }
@@ -254,7 +254,7 @@ impl<'a> JointSearch<'a> {
             *instant += 1;
         }
         let mut member = 0;
-        ply.fill(self.field, self.group[0], 0, before[0]);
+        ply.fill(self.tables, self.group[0], 0, before[0]);
         loop {
             match ply.moves[member].pop() {
                 Some(word) => {
@@ -265,7 +265,7 @@ impl<'a> JointSearch<'a> {
                     words[member] = word;
                     if member + 1 < self.group.len() {
                         member += 1;
-                        ply.fill(self.field, self.group[member], member, before[member]);
+                        ply.fill(self.tables, self.group[member], member, before[member]);
                     } else {
                         self.insert_with_parking(&mut words.clone(), 0, cost, state, &before);
                     }
@@ -280,10 +280,10 @@ impl<'a> JointSearch<'a> {
     fn expand_in_turns(&mut self, state: u32, meter: &mut Meter) -> Option<()> {
         let mut words = self.states.words(state).to_vec();
         let cost = self.states.cost(state) + 1;
-        let field = self.field;
+        let tables = self.tables;
         for member in 0..self.group.len() {
             let here = words[member];
-            for node in field.next(self.group[member], here >> 1).skip(1) {
+            for node in tables.next(self.group[member], here >> 1).skip(1) {
                 meter.step()?;
                 if self.is_clear(member, node, &words) {
                     words[member] = node * 2;
@@ -297,9 +297,9 @@ impl<'a> JointSearch<'a> {
 
     /// Whether a member may move to a node while the others stay.
     fn is_clear(&self, member: usize, node: StagedCell, words: &[AgentWord]) -> bool {
-        let (agent, cell) = (self.group[member], self.field.cell(node));
+        let (agent, cell) = (self.group[member], self.tables.cell(node));
         let mut others = self.group.iter().zip(words).enumerate().filter(|(other, _)| *other != member);
-        others.all(|(_, (other, word))| !self.field.too_near(agent, cell, *other, self.field.cell(word >> 1)))
+        others.all(|(_, (other, word))| !self.tables.too_near(agent, cell, *other, self.tables.cell(word >> 1)))
     }
 
     fn step_cost(&self, before: &[AgentWord]) -> u32 {
@@ -313,17 +313,17 @@ impl<'a> JointSearch<'a> {
 
     /// Whether a move of a member is compatible with those of the members before it.
     fn fits(&self, member: usize, word: AgentWord, before: &[AgentWord], words: &[AgentWord]) -> bool {
-        let cell = |word: AgentWord| self.field.cell(word >> 1);
+        let cell = |word: AgentWord| self.tables.cell(word >> 1);
         let (from, to) = (cell(before[member]), cell(word));
         (0..member).all(|other| {
             let (other_from, other_to) = (cell(before[other]), cell(words[other]));
             let near = |at: CellIndex, other_at: CellIndex| {
-                self.field.too_near(self.group[member], at, self.group[other], other_at)
+                self.tables.too_near(self.group[member], at, self.group[other], other_at)
             };
             !near(to, other_to)
                 && !near(to, other_from)
                 && !near(from, other_to)
-                && !self.field.clash([from, to], [other_from, other_to])
+                && !self.tables.clash([from, to], [other_from, other_to])
         })
     }
 
@@ -333,7 +333,7 @@ impl<'a> JointSearch<'a> {
         let mut at = state;
         while at != u32::MAX {
             for (path, word) in paths.iter_mut().zip(self.states.words(at)) {
-                path.push(self.field.cell(word >> 1));
+                path.push(self.tables.cell(word >> 1));
             }
             at = self.states.parent(at);
         }
@@ -355,15 +355,15 @@ impl Ply {
         Ply { moves: vec![Vec::with_capacity(5); members] }
     }
 
-    fn fill(&mut self, field: &ExactTables, agent: usize, member: usize, word: AgentWord) {
+    fn fill(&mut self, tables: &ExactTables, agent: usize, member: usize, word: AgentWord) {
         let moves = &mut self.moves[member];
         if word & PARKED != 0 {
-            moves.extend(field.may_rest(word >> 1).then_some(word));
+            moves.extend(tables.may_rest(word >> 1).then_some(word));
             return;
         }
-        moves.extend(field.next(agent, word >> 1).map(|node: StagedCell| node * 2));
+        moves.extend(tables.next(agent, word >> 1).map(|node: StagedCell| node * 2));
         // The move that comes closest to the goal must be tried last: the bucket is a stack, so it leaves first.
-        moves.sort_by_key(|word| std::cmp::Reverse(field.distance(agent, *word >> 1)));
+        moves.sort_by_key(|word| std::cmp::Reverse(tables.distance(agent, *word >> 1)));
         moves.reverse();
     }
 }

@@ -1,15 +1,15 @@
 use super::oracle::{Chance, Shape, fault, least, random};
 use super::*;
 use crate::plan::electrode_array::board::{Agent, BoardCosts, BoardGrid, BoardObjective, Instance};
-use crate::plan::electrode_array::exact::field::ExactTables;
+use crate::plan::electrode_array::exact::tables::ExactTables;
 use crate::plan::search::SearchBudget;
 
 fn meter() -> Meter {
     Meter::new(SearchBudget::of(20_000_000))
 }
 
-fn everyone(field: &ExactTables) -> Vec<usize> {
-    (0..field.agents()).collect()
+fn everyone(tables: &ExactTables) -> Vec<usize> {
+    (0..tables.agents()).collect()
 }
 
 fn shapes() -> Vec<Shape> {
@@ -43,18 +43,18 @@ fn optima_and_impossibility_agree_with_plain_searches() {
     for shape in shapes() {
         for _ in 0..25 {
             let Some(instance) = random(shape, &mut chance) else { continue };
-            let Ok(field) = ExactTables::new(&instance) else {
+            let Ok(tables) = ExactTables::new(&instance) else {
                 assert_eq!(least(&instance, BoardObjective::Makespan), None);
                 continue;
             };
-            let group = everyone(&field);
+            let group = everyone(&tables);
             for objective in [BoardObjective::Makespan, BoardObjective::SumOfCosts] {
                 let aim = match objective {
                     BoardObjective::Makespan => JointAim::Makespan { limit: None },
                     BoardObjective::SumOfCosts => JointAim::SumOfCosts { limit: None },
                 };
-                let found = search(&field, &group, aim, &mut meter());
-                let any = search(&field, &group, JointAim::Any, &mut meter());
+                let found = search(&tables, &group, aim, &mut meter());
+                let any = search(&tables, &group, JointAim::Any, &mut meter());
                 match least(&instance, objective) {
                     Some(cost) => {
                         let JointAnswer::Found(paths) = &found else { panic!("{instance:?}: {found:?}") };
@@ -86,15 +86,15 @@ fn a_limit_just_at_the_optimum_passes_and_one_below_does_not() {
     for shape in shapes() {
         for _ in 0..10 {
             let Some(instance) = random(shape, &mut chance) else { continue };
-            let Ok(field) = ExactTables::new(&instance) else { continue };
+            let Ok(tables) = ExactTables::new(&instance) else { continue };
             let Some(least) = least(&instance, BoardObjective::Makespan) else { continue };
-            let group = everyone(&field);
+            let group = everyone(&tables);
             for aim in [|limit| JointAim::Makespan { limit }, |limit| JointAim::SumOfCosts { limit }] {
-                let at = search(&field, &group, aim(Some(least as u32)), &mut meter());
+                let at = search(&tables, &group, aim(Some(least as u32)), &mut meter());
                 let JointAnswer::Found(paths) = at else { panic!("{instance:?}: {at:?}") };
                 assert_eq!((fault(&instance, &paths), BoardCosts::of(&paths).makespan), (None, least));
                 if least > 0 {
-                    let below = search(&field, &group, aim(Some(least as u32 - 1)), &mut meter());
+                    let below = search(&tables, &group, aim(Some(least as u32 - 1)), &mut meter());
                     assert_eq!(below, JointAnswer::Impossible(NoJointPlan::WithinLimit), "{instance:?}");
                 }
                 compared += 1;
@@ -108,9 +108,9 @@ fn a_limit_just_at_the_optimum_passes_and_one_below_does_not() {
 fn a_budget_ends_the_search_with_a_bound() {
     let agents = vec![Agent { start: 0, stops: vec![99] }, Agent { start: 99, stops: vec![0] }];
     let instance = Instance { board: BoardGrid::new(10, 10), separation: 3, agents, merges: vec![] };
-    let field = ExactTables::new(&instance).ok().unwrap();
+    let tables = ExactTables::new(&instance).ok().unwrap();
     let mut meter = Meter::new(SearchBudget::of(50));
-    let outcome = search(&field, &[0, 1], JointAim::SumOfCosts { limit: None }, &mut meter);
+    let outcome = search(&tables, &[0, 1], JointAim::SumOfCosts { limit: None }, &mut meter);
     assert_eq!(outcome, JointAnswer::GaveUp(36));
     assert_eq!(meter.spent(), 50);
 }

@@ -14,7 +14,7 @@
 mod step;
 
 use super::board::{CellIndex, Instance, Paths};
-use super::exact::field::{ExactTables, StagedCell};
+use super::exact::tables::{ExactTables, StagedCell};
 use super::joint;
 use super::joint::states::States;
 use super::portfolio::timing;
@@ -37,7 +37,7 @@ struct Constraint {
 }
 
 struct LacamSearch<'a> {
-    field: &'a ExactTables<'a>,
+    tables: &'a ExactTables<'a>,
     /// The agents, those with the greatest distances first.
     farthest: Vec<usize>,
     states: States,
@@ -51,13 +51,13 @@ struct LacamSearch<'a> {
 
 /// A plan, if one is found before the meter or the memory runs out.
 pub fn first(instance: &Instance, seed: u64, meter: &mut Meter) -> Option<Paths> {
-    let field = ExactTables::new(instance).ok()?;
-    let mut farthest: Vec<usize> = (0..field.agents()).collect();
-    farthest.sort_by_key(|agent| std::cmp::Reverse(field.least(*agent)));
+    let tables = ExactTables::new(instance).ok()?;
+    let mut farthest: Vec<usize> = (0..tables.agents()).collect();
+    farthest.sort_by_key(|agent| std::cmp::Reverse(tables.least(*agent)));
     let mut search = LacamSearch {
-        field: &field,
+        tables: &tables,
         farthest,
-        states: States::new(field.agents()),
+        states: States::new(tables.agents()),
         waited: vec![],
         open: vec![],
         constraints: vec![],
@@ -70,10 +70,10 @@ pub fn first(instance: &Instance, seed: u64, meter: &mut Meter) -> Option<Paths>
 impl LacamSearch<'_> {
     /// Runs the search; returns the state in which every agent is on its goal.
     fn run(&mut self, meter: &mut Meter) -> Option<u32> {
-        let agents = self.field.agents();
-        let starts: Vec<StagedCell> = (0..agents).map(|agent| self.field.start(agent)).collect();
+        let agents = self.tables.agents();
+        let starts: Vec<StagedCell> = (0..agents).map(|agent| self.tables.start(agent)).collect();
         let mut stack = vec![self.enter(&starts, NONE)?];
-        let mut step = ConfigurationGenerator::new(self.field);
+        let mut step = ConfigurationGenerator::new(self.tables);
         while let Some(&state) = stack.last() {
             if self.is_final(state) {
                 return Some(state);
@@ -103,7 +103,7 @@ impl LacamSearch<'_> {
         let state = self.states.insert(nodes, 0, parent)?;
         for (agent, node) in nodes.iter().enumerate() {
             let before = if parent == NONE { 0 } else { self.waited[parent as usize * nodes.len() + agent] };
-            let waited = if *node == self.field.goal(agent) { 0 } else { before.saturating_add(1) };
+            let waited = if *node == self.tables.goal(agent) { 0 } else { before.saturating_add(1) };
             self.waited.push(waited);
         }
         self.open.push(VecDeque::from([NONE]));
@@ -111,12 +111,12 @@ impl LacamSearch<'_> {
     }
 
     fn is_final(&self, state: u32) -> bool {
-        self.states.words(state).iter().enumerate().all(|(agent, node)| *node == self.field.goal(agent))
+        self.states.words(state).iter().enumerate().all(|(agent, node)| *node == self.tables.goal(agent))
     }
 
     /// Priority order: longest time away from the goal first, then the greatest initial distance.
     fn order(&self, state: u32) -> Vec<usize> {
-        let count = self.field.agents();
+        let count = self.tables.agents();
         let waited = &self.waited[state as usize * count..][..count];
         let mut order = self.farthest.clone();
         order.sort_by_key(|agent| std::cmp::Reverse(waited[*agent]));
@@ -127,7 +127,7 @@ impl LacamSearch<'_> {
     fn refine(&mut self, state: u32, constraint: u32, order: &[usize]) {
         let depth = self.constraints.get(constraint as usize).map_or(0, |constraint| constraint.depth);
         let Some(&agent) = order.get(depth as usize) else { return };
-        let mut moves: Vec<StagedCell> = self.field.next(agent, self.states.words(state)[agent]).collect();
+        let mut moves: Vec<StagedCell> = self.tables.next(agent, self.states.words(state)[agent]).collect();
         self.random.shuffle(&mut moves);
         for to in moves {
             self.open[state as usize].push_back(self.constraints.len() as u32);
@@ -146,10 +146,10 @@ impl LacamSearch<'_> {
     }
 
     fn paths(&self, mut state: u32) -> Paths {
-        let mut paths: Vec<Vec<CellIndex>> = vec![vec![]; self.field.agents()];
+        let mut paths: Vec<Vec<CellIndex>> = vec![vec![]; self.tables.agents()];
         while state != NONE {
             for (path, node) in paths.iter_mut().zip(self.states.words(state)) {
-                path.push(self.field.cell(*node));
+                path.push(self.tables.cell(*node));
             }
             state = self.states.parent(state);
         }

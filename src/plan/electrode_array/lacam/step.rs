@@ -9,7 +9,7 @@
 
 use super::NONE;
 use crate::plan::electrode_array::board::{CellIndex, Instance};
-use crate::plan::electrode_array::exact::field::{CellPlace, ExactTables, StagedCell};
+use crate::plan::electrode_array::exact::tables::{CellPlace, ExactTables, StagedCell};
 use crate::random::SplitMix64;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -65,7 +65,7 @@ impl Places {
 const WAY_SEPARATIONS: u32 = 3;
 
 /// Budget of the search for a cell out of the way: cells examined times cells of the path to avoid.
-const LOOKS: usize = 20_000;
+const MAX_CELL_CHECKS: usize = 20_000;
 
 /// One pushed agent in N takes a longer way out where the shortest is blocked.
 const RETREAT: usize = 16;
@@ -80,7 +80,7 @@ struct Push {
 
 /// Generates configurations; its tables are empty between calls.
 pub(super) struct ConfigurationGenerator<'a> {
-    field: &'a ExactTables<'a>,
+    tables: &'a ExactTables<'a>,
     here: Places,
     next: Places,
     /// Decided move of each agent.
@@ -93,14 +93,14 @@ pub(super) struct ConfigurationGenerator<'a> {
 }
 
 impl<'a> ConfigurationGenerator<'a> {
-    pub(super) fn new(field: &'a ExactTables<'a>) -> ConfigurationGenerator<'a> {
+    pub(super) fn new(tables: &'a ExactTables<'a>) -> ConfigurationGenerator<'a> {
         ConfigurationGenerator {
-            field,
-            here: Places::new(field.instance),
-            next: Places::new(field.instance),
-            to: vec![None; field.agents()],
+            tables,
+            here: Places::new(tables.instance),
+            next: Places::new(tables.instance),
+            to: vec![None; tables.agents()],
             queue: VecDeque::new(),
-            seen: vec![0; field.instance.board.cells()],
+            seen: vec![0; tables.instance.board.cells()],
             searches: 0,
         }
     }
@@ -114,8 +114,8 @@ impl<'a> ConfigurationGenerator<'a> {
         random: &mut SplitMix64,
     ) -> Option<Vec<StagedCell>> {
         for (agent, node) in from.iter().enumerate() {
-            let cell = self.field.cell(*node);
-            self.here.put(agent, cell, self.field.place(cell));
+            let cell = self.tables.cell(*node);
+            self.here.put(agent, cell, self.tables.place(cell));
         }
         let fits = fixed.iter().all(|(agent, node)| {
             let clear = self.is_clear(&self.here, *agent, *node) && self.is_clear(&self.next, *agent, *node);
@@ -139,18 +139,18 @@ impl<'a> ConfigurationGenerator<'a> {
 
     fn clear(&mut self, from: &[StagedCell]) {
         for node in from {
-            self.here.clear(self.field.place(self.field.cell(*node)));
+            self.here.clear(self.tables.place(self.tables.cell(*node)));
         }
         for to in &mut self.to {
             if let Some(node) = to.take() {
-                self.next.clear(self.field.place(self.field.cell(node)));
+                self.next.clear(self.tables.place(self.tables.cell(node)));
             }
         }
     }
 
     fn go(&mut self, agent: usize, node: StagedCell) {
-        let cell = self.field.cell(node);
-        self.next.put(agent, cell, self.field.place(cell));
+        let cell = self.tables.cell(node);
+        self.next.put(agent, cell, self.tables.place(cell));
         self.to[agent] = Some(node);
     }
 
@@ -159,7 +159,7 @@ impl<'a> ConfigurationGenerator<'a> {
         let here = from[agent];
         let candidates = match push {
             None => self.nearer(agent, here, random),
-            Some(push) => self.aside(agent, here, push, random),
+            Some(push) => self.moves_aside(agent, here, push, random),
         };
         let mut wanted = None;
         for node in candidates {
@@ -177,13 +177,13 @@ impl<'a> ConfigurationGenerator<'a> {
         }
         self.go(agent, here);
         let Some(node) = wanted else { return };
-        let to = self.field.cell(node);
+        let to = self.tables.cell(node);
         let mut way = match push {
             None => self.way(agent, node),
             Some(_) => vec![to],
         };
         way.extend(push.iter().flat_map(|push| push.way.iter().copied()));
-        let push = Rc::new(Push { at: self.field.cell(here), way });
+        let push = Rc::new(Push { at: self.tables.cell(here), way });
         let mut blocking: Vec<(CellIndex, usize)> = self.near(&self.here, agent, to).collect();
         blocking.sort_unstable();
         self.queue.extend(blocking.into_iter().map(|(_, other)| (other, Some(push.clone()))));
@@ -191,14 +191,14 @@ impl<'a> ConfigurationGenerator<'a> {
 
     /// The cells of an agent's next steps on a shortest path.
     fn way(&self, agent: usize, mut node: StagedCell) -> Vec<CellIndex> {
-        let mut way = vec![self.field.cell(node)];
-        while way.len() < (WAY_SEPARATIONS * self.field.instance.separation) as usize {
-            let distance = self.field.distance(agent, node);
-            let Some(next) = self.field.next(agent, node).find(|next| self.field.distance(agent, *next) < distance)
+        let mut way = vec![self.tables.cell(node)];
+        while way.len() < (WAY_SEPARATIONS * self.tables.instance.separation) as usize {
+            let distance = self.tables.distance(agent, node);
+            let Some(next) = self.tables.next(agent, node).find(|next| self.tables.distance(agent, *next) < distance)
             else {
                 break;
             };
-            way.push(self.field.cell(next));
+            way.push(self.tables.cell(next));
             node = next;
         }
         way
@@ -206,49 +206,49 @@ impl<'a> ConfigurationGenerator<'a> {
 
     /// The moves that reduce the distance to the goal.
     fn nearer(&self, agent: usize, here: StagedCell, random: &mut SplitMix64) -> Vec<StagedCell> {
-        let distance = self.field.distance(agent, here);
-        let nearer = |node: &StagedCell| self.field.distance(agent, *node) < distance;
-        let mut moves: Vec<StagedCell> = self.field.next(agent, here).filter(nearer).collect();
+        let distance = self.tables.distance(agent, here);
+        let nearer = |node: &StagedCell| self.tables.distance(agent, *node) < distance;
+        let mut moves: Vec<StagedCell> = self.tables.next(agent, here).filter(nearer).collect();
         random.shuffle(&mut moves);
         moves
     }
 
     /// The moves out of the pushing agent's path, the shortest way out first.
-    fn aside(&mut self, agent: usize, here: StagedCell, push: &Push, random: &mut SplitMix64) -> Vec<StagedCell> {
-        let (field, instance) = (self.field, self.field.instance);
-        let way: Vec<CellPlace> = push.way.iter().map(|cell| field.place(*cell)).collect();
-        let pusher = field.place(push.at);
-        let mut moves: Vec<StagedCell> = field.next(agent, here).skip(1).collect();
+    fn moves_aside(&mut self, agent: usize, here: StagedCell, push: &Push, random: &mut SplitMix64) -> Vec<StagedCell> {
+        let (tables, instance) = (self.tables, self.tables.instance);
+        let way: Vec<CellPlace> = push.way.iter().map(|cell| tables.place(*cell)).collect();
+        let pusher = tables.place(push.at);
+        let mut moves: Vec<StagedCell> = tables.next(agent, here).skip(1).collect();
         random.shuffle(&mut moves);
         let mut lengths = vec![NONE; moves.len()];
         self.searches += 1;
-        self.seen[field.cell(here) as usize] = self.searches;
-        let firsts = moves.iter().enumerate().map(|(first, node)| (field.cell(*node), first, 1));
+        self.seen[tables.cell(here) as usize] = self.searches;
+        let firsts = moves.iter().enumerate().map(|(first, node)| (tables.cell(*node), first, 1));
         let mut open: VecDeque<(CellIndex, usize, u32)> = firsts.collect();
-        let mut looks = 0;
+        let mut checks = 0;
         while let Some((cell, first, length)) = open.pop_front() {
-            let place = field.place(cell);
-            if field.are_near(place, pusher) || self.seen[cell as usize] == self.searches {
+            let place = tables.place(cell);
+            if tables.are_near(place, pusher) || self.seen[cell as usize] == self.searches {
                 continue;
             }
             self.seen[cell as usize] = self.searches;
-            looks += way.len();
-            if !way.iter().any(|at| field.are_near(place, *at)) {
+            checks += way.len();
+            if !way.iter().any(|at| tables.are_near(place, *at)) {
                 lengths[first] = lengths[first].min(length);
                 continue;
             }
-            if looks > LOOKS || lengths.iter().all(|known| *known < length) {
+            if checks > MAX_CELL_CHECKS || lengths.iter().all(|known| *known < length) {
                 break;
             }
             open.extend(instance.board.neighbours(cell).map(|beside| (beside, first, length + 1)));
         }
         let mut order: Vec<usize> = (0..moves.len()).filter(|first| lengths[*first] != NONE).collect();
-        order.sort_by_key(|first| (lengths[*first], field.distance(agent, moves[*first])));
+        order.sort_by_key(|first| (lengths[*first], tables.distance(agent, moves[*first])));
         order.into_iter().map(|first| moves[first]).collect()
     }
 
     fn is_clear(&self, places: &Places, agent: usize, node: StagedCell) -> bool {
-        self.near(places, agent, self.field.cell(node)).next().is_none()
+        self.near(places, agent, self.tables.cell(node)).next().is_none()
     }
 
     /// The other agents that are too near to a cell, with their cells.
@@ -258,7 +258,7 @@ impl<'a> ConfigurationGenerator<'a> {
         agent: usize,
         cell: CellIndex,
     ) -> impl Iterator<Item = (CellIndex, usize)> + 's {
-        let others = places.around(self.field.place(cell)).filter(move |(other, _)| *other != agent);
-        others.filter(move |(other, at)| self.field.too_near(agent, cell, *other, *at)).map(|(other, at)| (at, other))
+        let others = places.around(self.tables.place(cell)).filter(move |(other, _)| *other != agent);
+        others.filter(move |(other, at)| self.tables.too_near(agent, cell, *other, *at)).map(|(other, at)| (at, other))
     }
 }

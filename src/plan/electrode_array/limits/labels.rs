@@ -12,7 +12,7 @@
 //! positions.
 
 use crate::plan::electrode_array::board::{CellIndex, Instance, Paths};
-use crate::plan::electrode_array::exact::field::{ExactTables, FAR, StagedCell};
+use crate::plan::electrode_array::exact::tables::{ExactTables, FAR, StagedCell};
 use crate::plan::electrode_array::joint::states::States;
 use crate::plan::electrode_array::joint::trim;
 use crate::plan::search::Meter;
@@ -40,14 +40,14 @@ pub struct PlanLimits {
 /// The non-dominated plans within the limits; `None` if the budget or the memory does not suffice, or the joint space
 /// is too large.
 pub fn front(instance: &Instance, limits: PlanLimits, meter: &mut Meter) -> Option<Vec<(Paths, BoardFigures)>> {
-    let field = ExactTables::new(instance).ok()?;
-    let sizes = (0..field.agents()).map(|agent| field.reaching(agent));
+    let tables = ExactTables::new(instance).ok()?;
+    let sizes = (0..tables.agents()).map(|agent| tables.reaching(agent));
     let positions = sizes.into_iter().try_fold(1u64, |product, size| product.checked_mul(size));
     positions.filter(|positions| *positions <= MOST_POSITIONS)?;
     let mut search = BoardLabelSearch {
-        field: &field,
+        tables: &tables,
         limits,
-        states: States::new(field.agents()),
+        states: States::new(tables.agents()),
         labels: vec![],
         known: vec![],
         open: BinaryHeap::new(),
@@ -75,7 +75,7 @@ struct BoardLabel {
 }
 
 struct BoardLabelSearch<'a> {
-    field: &'a ExactTables<'a>,
+    tables: &'a ExactTables<'a>,
     limits: PlanLimits,
     states: States,
     labels: Vec<BoardLabel>,
@@ -89,7 +89,7 @@ struct BoardLabelSearch<'a> {
 
 impl BoardLabelSearch<'_> {
     fn run(&mut self, meter: &mut Meter) -> Option<()> {
-        let starts: Vec<LabelWord> = (0..self.field.agents()).map(|agent| self.field.start(agent) * 2).collect();
+        let starts: Vec<LabelWord> = (0..self.tables.agents()).map(|agent| self.tables.start(agent) * 2).collect();
         for words in self.arrivals(starts, None) {
             self.enter(&words, [0; 3], NONE);
         }
@@ -118,16 +118,16 @@ impl BoardLabelSearch<'_> {
     }
 
     fn cell(&self, word: LabelWord) -> CellIndex {
-        self.field.cell(word >> 1)
+        self.tables.cell(word >> 1)
     }
 
     /// The position in each variant of which agents, among those just arrived at their goals, have arrived for good.
     fn arrivals(&self, words: Vec<LabelWord>, before: Option<&[LabelWord]>) -> Vec<Vec<LabelWord>> {
         let mut variants = vec![words];
-        for agent in 0..self.field.agents() {
+        for agent in 0..self.tables.agents() {
             let word = variants[0][agent] & !ARRIVED;
             let was_there = before.is_some_and(|before| before[agent] >> 1 == word >> 1);
-            if word >> 1 != self.field.goal(agent) || was_there {
+            if word >> 1 != self.tables.goal(agent) || was_there {
                 continue;
             }
             let arrived: Vec<Vec<LabelWord>> = variants
@@ -138,7 +138,7 @@ impl BoardLabelSearch<'_> {
                     variant
                 })
                 .collect();
-            if self.field.is_absorbed(agent) {
+            if self.tables.is_absorbed(agent) {
                 variants = arrived;
             } else {
                 variants.extend(arrived);
@@ -189,7 +189,7 @@ impl BoardLabelSearch<'_> {
     fn ahead(&self, words: &[LabelWord], figures: BoardFigures) -> Option<BoardFigures> {
         let (mut largest, mut sum) = (0, 0);
         for (agent, word) in words.iter().enumerate() {
-            let distance = match self.field.distance(agent, word >> 1) {
+            let distance = match self.tables.distance(agent, word >> 1) {
                 FAR => return None,
                 // An agent on its goal that has not arrived for good must leave it and come back: 2 steps.
                 0 if word & ARRIVED == 0 => 2,
@@ -206,7 +206,7 @@ impl BoardLabelSearch<'_> {
         let mut heads: Vec<Vec<LabelWord>> = vec![vec![]];
         for (agent, word) in from.iter().enumerate() {
             let next: Vec<LabelWord> = match word & ARRIVED {
-                0 => self.field.next(agent, word >> 1).map(|node: StagedCell| node * 2).collect(),
+                0 => self.tables.next(agent, word >> 1).map(|node: StagedCell| node * 2).collect(),
                 _ => vec![*word],
             };
             let longer = heads.iter().flat_map(|head| next.iter().map(move |to| (head, *to)));
@@ -224,18 +224,18 @@ impl BoardLabelSearch<'_> {
         let own = [from[agent], to];
         head.iter().enumerate().all(|(other, other_to)| {
             let near = |at: LabelWord, other_at: LabelWord| {
-                self.field.too_near(agent, self.cell(at), other, self.cell(other_at))
+                self.tables.too_near(agent, self.cell(at), other, self.cell(other_at))
             };
             let cells = |step: [LabelWord; 2]| step.map(|word| self.cell(word));
             !near(own[1], *other_to)
                 && !near(own[1], from[other])
                 && !near(own[0], *other_to)
-                && !self.field.clash(cells(own), cells([from[other], *other_to]))
+                && !self.tables.clash(cells(own), cells([from[other], *other_to]))
         })
     }
 
     fn paths(&self, mut label: u32) -> Paths {
-        let mut paths: Paths = vec![vec![]; self.field.agents()];
+        let mut paths: Paths = vec![vec![]; self.tables.agents()];
         while label != NONE {
             let BoardLabel { state, before, .. } = self.labels[label as usize];
             for (path, word) in paths.iter_mut().zip(self.states.words(state)) {

@@ -158,7 +158,7 @@ impl LimitedTaskSearch<'_> {
     fn raise_steps(&mut self, why: &NoBoardPlan) {
         match why {
             NoBoardPlan::TooFewSteps { least } => self.front.bounds[0] = self.front.bounds[0].max(*least),
-            NoBoardPlan::Closed { .. } | NoBoardPlan::Torn { .. } | NoBoardPlan::Blocked { .. } => {}
+            NoBoardPlan::Closed { .. } | NoBoardPlan::TornByChannels { .. } | NoBoardPlan::Blocked { .. } => {}
         }
     }
 

@@ -11,9 +11,9 @@
 //! every arrangement is impossible. Cost: that of planning the arrangements, on one budget.
 
 use super::critical_path::{self, BoardWays};
+use super::lower_bounds;
 use super::place_tree::PlaceTree;
-use super::placement::{self, PaperSchedule, PaperTerms, PaperWait};
-use super::relaxed;
+use super::placement::{self, DropletWait, RelaxedSchedule, RelaxedTerms};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayOrder};
 use crate::plan::electrode_array::assay::{self, AssayEffort, AssayPlan, AssayProblem, NoAssayPlan};
 use crate::plan::electrode_array::board::{BoardCosts, BoardObjective};
@@ -26,7 +26,7 @@ use crate::random::SplitMix64;
 /// Most arrangements for each of which a lower bound is computed, and most operations of all these arrangements
 /// together: in a long assay each bound takes time.
 const MAX_ARRANGEMENTS: usize = 1_000;
-const MAX_LOOKED: usize = 100_000;
+const MAX_BOUNDED_OPERATIONS: usize = 100_000;
 
 /// 1/N of the remaining budget for one arrangement of several: by lists, and by joint search.
 const LISTS_SHARE: u64 = 64;
@@ -39,8 +39,8 @@ const KEPT_SHARE: u64 = 4;
 const MAX_TRIED: usize = 200;
 
 /// If there are many arrangements: most relaxed schedules, and most operations of all these schedules together.
-const PAPERS: usize = 8;
-const MAX_PAPER_OPERATIONS: usize = 10_000;
+const MAX_SCHEDULES: usize = 8;
+const MAX_SCHEDULED_OPERATIONS: usize = 10_000;
 
 /// Most random arrangements planned by lists where no relaxed schedule yields a plan, and then as many by joint search.
 const MAX_DRAWN: usize = 100;
@@ -72,12 +72,12 @@ pub fn solve(
     objective: BoardObjective,
     meter: &mut Meter,
 ) -> PlacedAnswer {
-    solve_each(site, operations, objective, MAX_ARRANGEMENTS.min(looks(operations)), meter)
+    solve_each(site, operations, objective, MAX_ARRANGEMENTS.min(max_bound_count(operations)), meter)
 }
 
 /// Number of arrangements whose bounds are computed; at least one.
-fn looks(operations: &[AssayOperation]) -> usize {
-    (MAX_LOOKED / operations.len().max(1)).max(1)
+fn max_bound_count(operations: &[AssayOperation]) -> usize {
+    (MAX_BOUNDED_OPERATIONS / operations.len().max(1)).max(1)
 }
 
 /// As [`solve`], with a lower bound for each arrangement if there are at most `most`.
@@ -140,9 +140,9 @@ impl Choices<'_> {
     }
 
     /// The places that a relaxed schedule chooses.
-    fn on_paper(&self, order: &ElectrodeArrayOrder, paper: &PaperSchedule) -> Vec<usize> {
+    fn chosen_by(&self, order: &ElectrodeArrayOrder, schedule: &RelaxedSchedule) -> Vec<usize> {
         let place = |nth: &usize| {
-            let cell = paper.cells[*nth]?;
+            let cell = schedule.cells[*nth]?;
             self.operations[*nth].among.iter().position(|place| stage::flat(order, place.stop.cell) == cell)
         };
         self.open.iter().map(|nth| place(nth).unwrap_or(0)).collect()
@@ -173,7 +173,7 @@ struct ArrangementTerms<'a> {
     objective: BoardObjective,
     effort: AssayEffort,
     /// Relaxed schedules of the operations that suggest the order in which parts take turns.
-    papers: &'a [PaperSchedule],
+    schedules: &'a [RelaxedSchedule],
 }
 
 /// Plans an arrangement.
@@ -188,7 +188,7 @@ fn planned(
             Ok(problem) => problem,
             Err(why) => return SearchAnswer::Impossible(why),
         };
-        problem.papers = terms.papers.iter().map(|paper| paper.of(&problem.operations)).collect();
+        problem.relaxed_schedules = terms.schedules.iter().map(|schedule| schedule.of(&problem.operations)).collect();
         match assay::solve(&problem, terms.objective, terms.effort, meter) {
             SearchAnswer::Found(plan) => SearchAnswer::Found(placed(site, stage, &problem, plan)),
             SearchAnswer::Impossible(why) => SearchAnswer::Impossible(why),
@@ -236,10 +236,10 @@ fn placed(
 fn only(site: &AssaySite, operations: &[AssayOperation], objective: BoardObjective, meter: &mut Meter) -> PlacedAnswer {
     let mut ways = BoardWays::new(site, meter);
     let timed = critical_path::timed(operations, &mut ways);
-    let least = relaxed::bounds(operations, &timed, &mut ways).makespan;
-    let paper = |wait| placement::schedule(operations, &timed, &mut ways, PaperTerms { seed: 0, least, wait });
-    let papers = [PaperWait::AtOutlet, PaperWait::OnBoard].map(paper);
-    let terms = ArrangementTerms { objective, effort: AssayEffort::Whole, papers: &papers };
+    let least = lower_bounds::bounds(operations, &timed, &mut ways).makespan;
+    let schedule = |wait| placement::schedule(operations, &timed, &mut ways, RelaxedTerms { seed: 0, least, wait });
+    let schedules = [DropletWait::AtOutlet, DropletWait::OnBoard].map(schedule);
+    let terms = ArrangementTerms { objective, effort: AssayEffort::Whole, schedules: &schedules };
     match planned(site, operations.to_vec(), terms, meter) {
         SearchAnswer::GaveUp(bounds) => {
             let plan = in_turn(site, operations.to_vec(), objective, bounds);
@@ -338,7 +338,7 @@ impl<'a> FewArrangements<'a> {
                 };
                 let operations = self.choices.at(&own.places);
                 let (site, objective) = (self.site, self.objective);
-                let terms = ArrangementTerms { objective, effort, papers: &[] };
+                let terms = ArrangementTerms { objective, effort, schedules: &[] };
                 match meter.share(meter.left().steps / share, |part| planned(site, operations, terms, part)) {
                     SearchAnswer::Found(plan) => {
                         own.bounds = plan.bounds;
@@ -388,18 +388,19 @@ fn of_few(
 fn of_many(site: &AssaySite, choices: &Choices, objective: BoardObjective, meter: &mut Meter) -> PlacedAnswer {
     let mut ways = BoardWays::new(site, meter);
     let timed = critical_path::timed(choices.operations, &mut ways);
-    let bounds = relaxed::bounds(choices.operations, &timed, &mut ways);
-    let mut many = ManyArrangements { site, choices, objective, bounds, best: None, places: Vec::new(), paper: None };
-    let papers = (MAX_PAPER_OPERATIONS / choices.operations.len().max(1)).clamp(1, PAPERS) as u64;
-    for seed in 0..papers {
+    let bounds = lower_bounds::bounds(choices.operations, &timed, &mut ways);
+    let mut many =
+        ManyArrangements { site, choices, objective, bounds, best: None, places: Vec::new(), schedule: None };
+    let schedules = (MAX_SCHEDULED_OPERATIONS / choices.operations.len().max(1)).clamp(1, MAX_SCHEDULES) as u64;
+    for seed in 0..schedules {
         if many.is_least() {
             break;
         }
         let mut ways = BoardWays::new(site, meter);
-        let wait = if seed % 2 == 0 { PaperWait::AtOutlet } else { PaperWait::OnBoard };
-        let terms = PaperTerms { seed, least: bounds.makespan, wait };
-        let paper = placement::schedule(choices.operations, &timed, &mut ways, terms);
-        many.realise(paper, meter);
+        let wait = if seed % 2 == 0 { DropletWait::AtOutlet } else { DropletWait::OnBoard };
+        let terms = RelaxedTerms { seed, least: bounds.makespan, wait };
+        let schedule = placement::schedule(choices.operations, &timed, &mut ways, terms);
+        many.realise(schedule, meter);
     }
     many.draw(meter);
     many.better_order(meter);
@@ -423,7 +424,7 @@ struct ManyArrangements<'a> {
     /// Places of the best plan.
     places: Vec<usize>,
     /// The relaxed schedule from which the best plan comes, if it does.
-    paper: Option<PaperSchedule>,
+    schedule: Option<RelaxedSchedule>,
 }
 
 impl ManyArrangements<'_> {
@@ -445,21 +446,21 @@ impl ManyArrangements<'_> {
     }
 
     /// Plans the arrangement of a relaxed schedule; while there is no plan, with every method.
-    fn realise(&mut self, paper: PaperSchedule, meter: &mut Meter) {
-        let places = self.choices.on_paper(self.site.order, &paper);
+    fn realise(&mut self, schedule: RelaxedSchedule, meter: &mut Meter) {
+        let places = self.choices.chosen_by(self.site.order, &schedule);
         let operations = self.choices.at(&places);
-        let papers = std::slice::from_ref(&paper);
+        let schedules = std::slice::from_ref(&schedule);
         let mut found =
-            self.planned(operations.clone(), AssayEffort::Lists, papers, meter.left().steps / LISTS_SHARE, meter);
+            self.planned(operations.clone(), AssayEffort::Lists, schedules, meter.left().steps / LISTS_SHARE, meter);
         if found.is_none() && self.best.is_none() {
             let steps = meter.left().steps / SHARE;
-            let by_all_means = self.planned(operations.clone(), AssayEffort::Whole, papers, steps, meter);
+            let by_all_means = self.planned(operations.clone(), AssayEffort::Whole, schedules, steps, meter);
             found = by_all_means.or_else(|| in_turn(self.site, operations, self.objective, self.bounds));
         }
         if let Some(plan) = found
             && self.offer(plan, places)
         {
-            self.paper = Some(paper);
+            self.schedule = Some(schedule);
         }
     }
 
@@ -485,11 +486,11 @@ impl ManyArrangements<'_> {
         &self,
         operations: Vec<AssayOperation>,
         effort: AssayEffort,
-        papers: &[PaperSchedule],
+        schedules: &[RelaxedSchedule],
         steps: u64,
         meter: &mut Meter,
     ) -> Option<PlacedPlan> {
-        let terms = ArrangementTerms { objective: self.objective, effort, papers };
+        let terms = ArrangementTerms { objective: self.objective, effort, schedules };
         match meter.share(steps, |part| planned(self.site, operations, terms, part)) {
             SearchAnswer::Found(plan) => Some(plan),
             SearchAnswer::Impossible(_) | SearchAnswer::GaveUp(_) => None,
@@ -498,26 +499,26 @@ impl ManyArrangements<'_> {
 
     /// Looks for a better order at the places of the best plan, with most of the budget.
     fn better_order(&mut self, meter: &mut Meter) {
-        let Some(paper) = self.paper.take().filter(|_| !self.is_least()) else { return };
+        let Some(schedule) = self.schedule.take().filter(|_| !self.is_least()) else { return };
         let (places, left) = (self.places.clone(), meter.left().steps);
         let (operations, steps) = (self.choices.at(&places), left - left / KEPT_SHARE);
-        if let Some(plan) = self.planned(operations, AssayEffort::Lists, &[paper], steps, meter) {
+        if let Some(plan) = self.planned(operations, AssayEffort::Lists, &[schedule], steps, meter) {
             self.offer(plan, places);
         }
     }
 
     /// Plans arrangements that differ from the best one in one place, as long as plans improve.
     fn improve(&mut self, meter: &mut Meter) {
-        let (mut looked, mut tried, mut is_better) = (0, 0, self.best.is_some());
-        let looks = looks(self.choices.operations);
+        let (mut bounded, mut tried, mut is_better) = (0, 0, self.best.is_some());
+        let max_bound_count = max_bound_count(self.choices.operations);
         while std::mem::take(&mut is_better) {
             for open in 0..self.places.len() {
                 for place in 0..self.choices.operations[self.choices.open[open]].among.len() {
-                    let is_over = looked >= looks || tried >= MAX_TRIED || meter.left().steps == 0;
+                    let is_over = bounded >= max_bound_count || tried >= MAX_TRIED || meter.left().steps == 0;
                     if place == self.places[open] || self.is_least() || is_over {
                         continue;
                     }
-                    looked += 1;
+                    bounded += 1;
                     let mut others = self.places.clone();
                     others[open] = place;
                     let operations = self.choices.at(&others);
@@ -545,10 +546,10 @@ impl ManyArrangements<'_> {
             let operations = choices.at(places);
             let mut ways = BoardWays::new(site, meter);
             let timed = critical_path::timed(&operations, &mut ways);
-            ordered(objective, relaxed::bounds(&operations, &timed, &mut ways))[0]
+            ordered(objective, lower_bounds::bounds(&operations, &timed, &mut ways))[0]
         };
         let counts: Vec<usize> = choices.counts().collect();
-        let mut tree = PlaceTree::new(&counts, ordered(objective, self.bounds)[0], looks(choices.operations));
+        let mut tree = PlaceTree::new(&counts, ordered(objective, self.bounds)[0], max_bound_count(choices.operations));
         let mut few = FewArrangements::new(site, choices, objective, self.best.take());
         let limit = few.cost().map_or(u64::MAX, |[best, _]| best);
         while few.due.len() < MAX_ARRANGEMENTS && meter.left().steps > 0 {

@@ -19,13 +19,18 @@ pub(super) struct PlaceTree<'a> {
     /// Number of nodes created.
     nodes: usize,
     /// Number of bounds that may still be computed.
-    looks: usize,
+    bounds_left: usize,
 }
 
 impl PlaceTree<'_> {
     /// All choices, with a bound on all of them and the most bounds that may be computed.
-    pub fn new(counts: &[usize], bound: u64, looks: usize) -> PlaceTree<'_> {
-        PlaceTree { counts, open: BinaryHeap::from([Reverse((bound, Reverse(0), 0, Vec::new()))]), nodes: 1, looks }
+    pub fn new(counts: &[usize], bound: u64, most_bounds: usize) -> PlaceTree<'_> {
+        PlaceTree {
+            counts,
+            open: BinaryHeap::from([Reverse((bound, Reverse(0), 0, Vec::new()))]),
+            nodes: 1,
+            bounds_left: most_bounds,
+        }
     }
 
     /// The next choice with its bound; `None` when all remaining bounds are at least `limit`, or no more bounds may be
@@ -34,12 +39,12 @@ impl PlaceTree<'_> {
         while self.least()? < limit {
             let depth = self.open.peek().map_or(0, |Reverse((.., places))| places.len());
             let count = self.counts.get(depth).copied();
-            if count.is_some_and(|count| count > self.looks) {
+            if count.is_some_and(|count| count > self.bounds_left) {
                 return None;
             }
             let Reverse((bound, _, _, places)) = self.open.pop()?;
             let Some(count) = count else { return Some((places, bound)) };
-            self.looks -= count;
+            self.bounds_left -= count;
             for place in 0..count {
                 let mut places = places.clone();
                 places.push(place);

@@ -18,14 +18,14 @@ use std::collections::BTreeMap;
 const MAX_NEXT: usize = 200;
 
 /// Approximate limit on place searches for operations, in all draws of one schedule together.
-const MAX_PAPER_LOOKS: usize = 400_000;
+const MAX_PLACE_SEARCHES: usize = 400_000;
 
 /// Most consecutive draws without a shorter schedule.
 const MAX_IDLE_DRAWS: usize = 200;
 
 /// A relaxed schedule: it ignores conflicts on the way.
 #[derive(Debug, Clone)]
-pub(super) struct PaperSchedule {
+pub(super) struct RelaxedSchedule {
     /// By operation: its chosen cell, if it has several places.
     pub cells: Vec<Option<CellIndex>>,
     /// By operation: the instant at which it begins.
@@ -33,10 +33,10 @@ pub(super) struct PaperSchedule {
     /// The end of the last operation.
     pub end: u64,
     /// Number of place searches.
-    looks: usize,
+    searches: usize,
 }
 
-impl PaperSchedule {
+impl RelaxedSchedule {
     /// By agent and errand: the instant at which its operation begins; 0 if it has none.
     pub fn of(&self, operations: &[Vec<Option<usize>>]) -> Vec<Vec<u32>> {
         let begin = |nth: &Option<usize>| nth.map_or(0, |nth| u32::try_from(self.begins[nth]).unwrap_or(u32::MAX));
@@ -46,7 +46,7 @@ impl PaperSchedule {
 
 /// Rule for the next operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum PaperOrder {
+enum PriorityRule {
     /// The one that can begin first.
     EarliestBegin,
     /// The most urgent one among those that can begin before the first of their places would be free again.
@@ -55,7 +55,7 @@ enum PaperOrder {
 
 /// Where a dispensed droplet waits until it is needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum PaperWait {
+pub(super) enum DropletWait {
     /// At the outlet, which blocks the next droplets.
     AtOutlet,
     /// Anywhere on the board, which is assumed to have room for all.
@@ -64,11 +64,11 @@ pub(super) enum PaperWait {
 
 /// Terms of a relaxed schedule.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PaperTerms {
+pub(super) struct RelaxedTerms {
     pub seed: u64,
     /// Lower bound on its end; a schedule that meets it ends the search.
     pub least: u64,
-    pub wait: PaperWait,
+    pub wait: DropletWait,
 }
 
 /// Schedules all operations, with random changes from a seed.
@@ -76,34 +76,35 @@ pub(super) fn schedule(
     operations: &[AssayOperation],
     timed: &[TimedOperation],
     ways: &mut BoardWays,
-    PaperTerms { seed, least, wait }: PaperTerms,
-) -> PaperSchedule {
+    RelaxedTerms { seed, least, wait }: RelaxedTerms,
+) -> RelaxedSchedule {
     let mut urgency: Vec<u64> = timed.iter().map(|one| one.tail() + one.stay).collect();
     let occupied = occupied(timed);
-    let mut draw = |urgency: &[u64], order| Paper::new(operations, timed, ways, urgency, &occupied, wait).drawn(order);
-    let mut order = PaperOrder::EarliestBegin;
-    let mut best = draw(&urgency, order);
-    let other = draw(&urgency, PaperOrder::MostUrgent);
-    let mut looks = best.looks + other.looks;
+    let mut draw =
+        |urgency: &[u64], rule| RelaxedScheduler::new(operations, timed, ways, urgency, &occupied, wait).drawn(rule);
+    let mut rule = PriorityRule::EarliestBegin;
+    let mut best = draw(&urgency, rule);
+    let other = draw(&urgency, PriorityRule::MostUrgent);
+    let mut searches = best.searches + other.searches;
     if other.end < best.end {
-        (best, order) = (other, PaperOrder::MostUrgent);
+        (best, rule) = (other, PriorityRule::MostUrgent);
     }
     let most = urgency.iter().max().copied().unwrap_or(0);
     let mut random = SplitMix64::new(seed);
     let mut idle = 0;
-    while best.end > least && looks < MAX_PAPER_LOOKS && idle < MAX_IDLE_DRAWS {
+    while best.end > least && searches < MAX_PLACE_SEARCHES && idle < MAX_IDLE_DRAWS {
         let (part, now) = (operations[random.below(operations.len())].part, random.below(most as usize + 1) as u64);
         let mut changed = urgency.clone();
         for (own, _) in changed.iter_mut().zip(operations).filter(|(_, operation)| operation.part == part) {
             *own = now;
         }
-        let orders = [order, PaperOrder::MostUrgent, PaperOrder::EarliestBegin];
-        let order_now = orders[random.below(orders.len())];
-        let found = draw(&changed, order_now);
-        looks += found.looks;
+        let rules = [rule, PriorityRule::MostUrgent, PriorityRule::EarliestBegin];
+        let rule_now = rules[random.below(rules.len())];
+        let found = draw(&changed, rule_now);
+        searches += found.searches;
         idle = if found.end < best.end { 0 } else { idle + 1 };
         if found.end <= best.end {
-            (best, urgency, order) = (found, changed, order_now);
+            (best, urgency, rule) = (found, changed, rule_now);
         }
     }
     best
@@ -123,16 +124,16 @@ fn occupied(timed: &[TimedOperation]) -> Vec<u64> {
 
 /// A part, with its cell from an instant on.
 #[derive(Debug, Clone, Copy)]
-struct PaperPart {
+struct ScheduledPart {
     at: CellIndex,
     since: u64,
     /// The dispensing by which it enters there, if that has not begun.
-    comes: Option<usize>,
+    enters_by: Option<usize>,
 }
 
 /// Use of a place.
 #[derive(Debug, Clone, Copy, Default)]
-struct PaperPlace {
+struct PlaceUse {
     /// The part that is there until it leaves.
     by: Option<usize>,
     /// The instant from which the next part can be there, once the place is free.
@@ -141,7 +142,7 @@ struct PaperPlace {
 
 /// Place and instant at which an operation can begin.
 #[derive(Debug, Clone, Copy)]
-struct PaperBegin {
+struct OperationBegin {
     cell: CellIndex,
     begin: u64,
     /// Travel steps of its parts, in total.
@@ -150,7 +151,7 @@ struct PaperBegin {
     is_taken: bool,
 }
 
-struct Paper<'a, 'w, 'm> {
+struct RelaxedScheduler<'a, 'w, 'm> {
     operations: &'a [AssayOperation],
     timed: &'a [TimedOperation],
     urgency: &'a [u64],
@@ -162,11 +163,11 @@ struct Paper<'a, 'w, 'm> {
     followers: Vec<Vec<usize>>,
     /// Operations that wait for none, the most urgent first.
     due: Vec<usize>,
-    parts: Vec<Option<PaperPart>>,
-    places: BTreeMap<CellIndex, PaperPlace>,
+    parts: Vec<Option<ScheduledPart>>,
+    places: BTreeMap<CellIndex, PlaceUse>,
     ends: Vec<Option<u64>>,
     cells: Vec<Option<CellIndex>>,
-    wait: PaperWait,
+    wait: DropletWait,
     /// If droplets wait on the board: by outlet, the instants `from..to` from the start of a dispensing until the
     /// outlet is clear.
     dispensing: BTreeMap<CellIndex, Vec<(u64, u64)>>,
@@ -174,15 +175,15 @@ struct Paper<'a, 'w, 'm> {
     change: u64,
 }
 
-impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
+impl<'a, 'w, 'm> RelaxedScheduler<'a, 'w, 'm> {
     fn new(
         operations: &'a [AssayOperation],
         timed: &'a [TimedOperation],
         ways: &'a mut BoardWays<'w, 'm>,
         urgency: &'a [u64],
         occupied: &'a [u64],
-        wait: PaperWait,
-    ) -> Paper<'a, 'w, 'm> {
+        wait: DropletWait,
+    ) -> RelaxedScheduler<'a, 'w, 'm> {
         let (order, count) = (ways.site.order, operations.len());
         let (mut waits, mut followers) = (vec![0; count], vec![Vec::new(); count]);
         for (nth, (operation, one)) in operations.iter().zip(timed).enumerate() {
@@ -193,14 +194,15 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
             }
         }
         let flat = |cell| stage::flat(order, cell);
-        let part = |cell| PaperPart { at: flat(cell), since: 0, comes: None };
-        let parts: Vec<Option<PaperPart>> = ways.site.cells.iter().map(|cell| cell.map(part)).collect();
-        let there =
-            |(nth, part): (usize, &Option<PaperPart>)| Some((part.as_ref()?.at, PaperPlace { by: Some(nth), free: 0 }));
+        let part = |cell| ScheduledPart { at: flat(cell), since: 0, enters_by: None };
+        let parts: Vec<Option<ScheduledPart>> = ways.site.cells.iter().map(|cell| cell.map(part)).collect();
+        let there = |(nth, part): (usize, &Option<ScheduledPart>)| {
+            Some((part.as_ref()?.at, PlaceUse { by: Some(nth), free: 0 }))
+        };
         let places = parts.iter().enumerate().filter_map(there).collect();
         let change = u64::from(order.facts.separation.apart()) + 1;
         let (due, ends, cells) = (Vec::new(), vec![None; count], vec![None; count]);
-        let mut paper = Paper {
+        let mut scheduler = RelaxedScheduler {
             operations,
             timed,
             urgency,
@@ -218,19 +220,19 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
             change,
         };
         (0..count)
-            .filter(|nth| paper.waits[*nth] == 0)
+            .filter(|nth| scheduler.waits[*nth] == 0)
             .collect::<Vec<usize>>()
             .into_iter()
-            .for_each(|nth| paper.ready(nth));
-        paper
+            .for_each(|nth| scheduler.ready(nth));
+        scheduler
     }
 
     /// Draws the whole schedule.
-    fn drawn(mut self, order: PaperOrder) -> PaperSchedule {
-        let mut looks = 0;
+    fn drawn(mut self, rule: PriorityRule) -> RelaxedSchedule {
+        let mut searches = 0;
         loop {
-            looks += self.due.len().clamp(1, MAX_NEXT);
-            match self.next(order) {
+            searches += self.due.len().clamp(1, MAX_NEXT);
+            match self.next(rule) {
                 Some((nth, place)) => self.take(nth, place),
                 None if self.dispense() => {}
                 None => break,
@@ -239,7 +241,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
         let begin = |(end, one): (&Option<u64>, &TimedOperation)| end.unwrap_or(0).saturating_sub(one.stay);
         let begins = self.ends.iter().zip(self.timed).map(begin).collect();
         let end = self.ends.iter().flatten().copied().max().unwrap_or(0);
-        PaperSchedule { cells: self.cells, begins, end, looks }
+        RelaxedSchedule { cells: self.cells, begins, end, searches }
     }
 
     /// Handles an operation that waits for no other. A dispensing is postponed until its droplet is needed.
@@ -250,7 +252,7 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
             .position(|next| self.operations[*next].parts().any(|part| part == operation.part));
         if let (true, Some(stop), Some(next)) = (operation.comes, operation.stops.first(), next) {
             let at = stage::flat(self.ways.site.order, stop.cell);
-            self.parts[operation.part] = Some(PaperPart { at, since: 0, comes: Some(nth) });
+            self.parts[operation.part] = Some(ScheduledPart { at, since: 0, enters_by: Some(nth) });
             let next = self.followers[nth].swap_remove(next);
             self.is_done_for(next);
             return;
@@ -268,26 +270,26 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
     }
 
     /// The operation scheduled next, with its place; `None` when none is left.
-    fn next(&mut self, order: PaperOrder) -> Option<(usize, PaperBegin)> {
+    fn next(&mut self, rule: PriorityRule) -> Option<(usize, OperationBegin)> {
         let due: Vec<usize> = self.due.iter().take(MAX_NEXT).copied().collect();
-        let mut begins: Vec<(usize, PaperBegin)> =
+        let mut begins: Vec<(usize, OperationBegin)> =
             due.into_iter().filter_map(|nth| Some((nth, self.begin(nth)?))).collect();
         if begins.iter().any(|(_, begin)| !begin.is_taken) {
             begins.retain(|(_, begin)| !begin.is_taken);
         }
         let before = begins.iter().map(|(nth, begin)| begin.begin + self.occupied[*nth]).min()?;
-        match order {
-            PaperOrder::EarliestBegin => begins.into_iter().min_by_key(|(_, begin)| begin.begin),
-            PaperOrder::MostUrgent => begins.into_iter().find(|(_, begin)| begin.begin <= before),
+        match rule {
+            PriorityRule::EarliestBegin => begins.into_iter().min_by_key(|(_, begin)| begin.begin),
+            PriorityRule::MostUrgent => begins.into_iter().find(|(_, begin)| begin.begin <= before),
         }
     }
 
     /// The first instant at which an operation can begin, and its place.
-    fn begin(&mut self, nth: usize) -> Option<PaperBegin> {
+    fn begin(&mut self, nth: usize) -> Option<OperationBegin> {
         let (operation, one) = (&self.operations[nth], &self.timed[nth]);
         let after = self.after(nth);
-        let mut best: Option<PaperBegin> = None;
-        let from: Vec<PaperPart> = operation.parts().filter_map(|part| self.there(part)).collect();
+        let mut best: Option<OperationBegin> = None;
+        let from: Vec<ScheduledPart> = operation.parts().filter_map(|part| self.there(part)).collect();
         let outlet = operation
             .stops
             .first()
@@ -311,8 +313,8 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
             if place.by.is_none() || is_taken {
                 begin = begin.max(place.free);
             }
-            let own = PaperBegin { cell, begin, way, is_taken };
-            let key = |one: &PaperBegin| (one.is_taken, one.begin, one.way);
+            let own = OperationBegin { cell, begin, way, is_taken };
+            let key = |one: &OperationBegin| (one.is_taken, one.begin, one.way);
             if best.is_none_or(|best| key(&own) < key(&best)) {
                 best = Some(own);
             }
@@ -327,26 +329,26 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
 
     /// Cell and instant from which a part can leave for an operation; a part that is still to be dispensed can do so
     /// once it is.
-    fn there(&self, part: usize) -> Option<PaperPart> {
+    fn there(&self, part: usize) -> Option<ScheduledPart> {
         let own = self.parts[part]?;
-        let Some(comes) = own.comes else { return Some(own) };
+        let Some(dispensing) = own.enters_by else { return Some(own) };
         let since = match self.wait {
-            PaperWait::AtOutlet => {
+            DropletWait::AtOutlet => {
                 let free = self.places.get(&own.at).map_or(0, |place| place.free);
-                free.max(self.after(comes)) + self.timed[comes].stay
+                free.max(self.after(dispensing)) + self.timed[dispensing].stay
             }
-            PaperWait::OnBoard => self.dispensed(own.at, comes, 0),
+            DropletWait::OnBoard => self.dispensed(own.at, dispensing, 0),
         };
-        Some(PaperPart { since, ..own })
+        Some(ScheduledPart { since, ..own })
     }
 
     /// The last instant, no later than `latest`, at which a reservoir can have dispensed the droplet of an operation;
     /// if there is none, the first possible one.
-    fn dispensed(&self, outlet: CellIndex, comes: usize, latest: u64) -> u64 {
+    fn dispensed(&self, outlet: CellIndex, dispensing: usize, latest: u64) -> u64 {
         let booked = self.dispensing.get(&outlet).map_or([].as_slice(), Vec::as_slice);
-        let (mut free, mut found) = (self.after(comes), None);
+        let (mut free, mut found) = (self.after(dispensing), None);
         for (from, to) in booked.iter().copied().chain([(u64::MAX, u64::MAX)]) {
-            let first = free + self.timed[comes].stay;
+            let first = free + self.timed[dispensing].stay;
             if first + self.change <= from {
                 if found.is_some() && first > latest {
                     break;
@@ -359,18 +361,18 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
     }
 
     /// Records the dispensing of a droplet that leaves the outlet at `left`, or as soon as possible after it.
-    fn dispense_by(&mut self, outlet: CellIndex, comes: usize, left: u64) {
+    fn dispense_by(&mut self, outlet: CellIndex, dispensing: usize, left: u64) {
         match self.wait {
-            PaperWait::AtOutlet => {
-                self.places.insert(outlet, PaperPlace { by: None, free: left + self.change });
-                self.done(comes, left);
+            DropletWait::AtOutlet => {
+                self.places.insert(outlet, PlaceUse { by: None, free: left + self.change });
+                self.done(dispensing, left);
             }
-            PaperWait::OnBoard => {
-                let end = self.dispensed(outlet, comes, left);
-                let (from, to) = (end - self.timed[comes].stay, end + self.change);
+            DropletWait::OnBoard => {
+                let end = self.dispensed(outlet, dispensing, left);
+                let (from, to) = (end - self.timed[dispensing].stay, end + self.change);
                 let booked = self.dispensing.entry(outlet).or_default();
                 booked.insert(booked.partition_point(|other| other.0 < from), (from, to));
-                self.done(comes, end);
+                self.done(dispensing, end);
             }
         }
     }
@@ -378,17 +380,17 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
     /// Dispenses the first droplet whose dispensing was postponed, when nothing needs the droplet but others wait for
     /// the dispensing. Returns whether there was one.
     fn dispense(&mut self) -> bool {
-        let Some(part) = self.parts.iter().position(|part| part.is_some_and(|part| part.comes.is_some())) else {
+        let Some(part) = self.parts.iter().position(|part| part.is_some_and(|part| part.enters_by.is_some())) else {
             return false;
         };
         let Some(own) = self.there(part) else { return false };
         self.put(part, own.at, own.since);
-        own.comes.into_iter().for_each(|comes| self.done(comes, own.since));
+        own.enters_by.into_iter().for_each(|dispensing| self.done(dispensing, own.since));
         true
     }
 
     /// Schedules an operation at a place.
-    fn take(&mut self, nth: usize, place: PaperBegin) {
+    fn take(&mut self, nth: usize, place: OperationBegin) {
         let (operation, stay) = (&self.operations[nth], self.timed[nth].stay);
         self.due.retain(|other| *other != nth);
         let end = place.begin + stay;
@@ -397,16 +399,16 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
             let to = self.ways.through(&[(own.at, 0)], &self.timed[nth].stops);
             let steps = to.iter().find(|(cell, _)| *cell == place.cell).map_or(0, |(_, steps)| *steps);
             let left = place.begin.saturating_sub(steps);
-            match own.comes {
-                Some(comes) => self.dispense_by(own.at, comes, left),
+            match own.enters_by {
+                Some(dispensing) => self.dispense_by(own.at, dispensing, left),
                 None => {
-                    self.places.insert(own.at, PaperPlace { by: None, free: left + self.change });
+                    self.places.insert(own.at, PlaceUse { by: None, free: left + self.change });
                 }
             }
         }
         self.cells[nth] = (!operation.among.is_empty()).then_some(place.cell);
         if operation.leaves {
-            self.places.insert(place.cell, PaperPlace { by: None, free: end + self.change });
+            self.places.insert(place.cell, PlaceUse { by: None, free: end + self.change });
         } else {
             self.put(operation.part, place.cell, end);
         }
@@ -417,8 +419,8 @@ impl<'a, 'w, 'm> Paper<'a, 'w, 'm> {
     }
 
     fn put(&mut self, part: usize, at: CellIndex, since: u64) {
-        self.parts[part] = Some(PaperPart { at, since, comes: None });
-        self.places.insert(at, PaperPlace { by: Some(part), free: since + self.change });
+        self.parts[part] = Some(ScheduledPart { at, since, enters_by: None });
+        self.places.insert(at, PlaceUse { by: Some(part), free: since + self.change });
     }
 
     fn done(&mut self, nth: usize, end: u64) {

@@ -23,9 +23,9 @@ mod alone;
 pub mod timing;
 
 use super::board::{
-    BoardAnswer, BoardCosts, BoardObjective, BoardPlan, CellIndex, HeldBoardPlan, Instance, NoBoardPlan, Paths,
+    BoardAnswer, BoardCosts, BoardObjective, BoardPlan, BoardPlanProgress, CellIndex, Instance, NoBoardPlan, Paths,
 };
-use super::exact::field::ExactTables;
+use super::exact::tables::ExactTables;
 use super::joint::{self, JointAim};
 use super::{channels, exact, fast, lacam};
 use crate::plan::search::{Meter, SearchBudget};
@@ -113,7 +113,7 @@ pub fn solve_metered(
         Ok(bounds) => bounds,
         Err(why) => return BoardAnswer::Impossible(why),
     };
-    let mut search = PortfolioSearch { instance, objective, limit, bounds, is_raised: false, meter, held: None };
+    let mut search = PortfolioSearch { instance, objective, limit, bounds, is_raised: false, meter, progress: None };
     match search.first() {
         Some(BoardAnswer::Found(BoardPlan { paths, .. })) => search.better(paths),
         Some(decided) => decided,
@@ -125,7 +125,9 @@ pub fn solve_metered(
 pub fn first(instance: &Instance, objective: BoardObjective, budget: SearchBudget) -> Option<Paths> {
     let bounds = fast::bounds(instance).ok()?;
     let meter = &mut Meter::new(budget);
-    match (PortfolioSearch { instance, objective, limit: None, bounds, is_raised: false, meter, held: None }).first()? {
+    match (PortfolioSearch { instance, objective, limit: None, bounds, is_raised: false, meter, progress: None })
+        .first()?
+    {
         BoardAnswer::Found(BoardPlan { paths, .. }) => Some(paths),
         BoardAnswer::Impossible(_) | BoardAnswer::GaveUp(_) => None,
     }
@@ -158,7 +160,7 @@ struct PortfolioSearch<'a> {
     is_raised: bool,
     meter: &'a mut Meter,
     /// Progress display; `None` until there is a plan.
-    held: Option<HeldBoardPlan>,
+    progress: Option<BoardPlanProgress>,
 }
 
 impl PortfolioSearch<'_> {
@@ -236,7 +238,7 @@ impl PortfolioSearch<'_> {
 
     /// The best plan that the budget allows, starting from a first one.
     fn better(mut self, mut first: Paths) -> BoardAnswer {
-        self.held = Some(HeldBoardPlan::begin(self.objective, BoardCosts::of(&first), self.bounds));
+        self.progress = Some(BoardPlanProgress::begin(self.objective, BoardCosts::of(&first), self.bounds));
         if !self.is_met(&first) {
             let (instance, objective, limit) = (self.instance, self.objective, self.limit);
             let share = self.meter.left().steps - self.meter.left().steps / IMPROVE_SHARE;
@@ -303,8 +305,8 @@ impl PortfolioSearch<'_> {
                     }
                 }
             }
-            if let Some(held) = &mut self.held {
-                held.offer(BoardCosts::of(&best), self.bounds);
+            if let Some(progress) = &mut self.progress {
+                progress.offer(BoardCosts::of(&best), self.bounds);
             }
             seed += 1;
         }
@@ -424,9 +426,9 @@ fn other(objective: BoardObjective) -> BoardObjective {
 
 /// A plan found by moving one part at a time.
 fn in_turns(instance: &Instance, aim: JointAim, meter: &mut Meter) -> Option<Paths> {
-    let field = ExactTables::new(instance).ok()?;
+    let tables = ExactTables::new(instance).ok()?;
     let everyone: Vec<usize> = (0..instance.agents.len()).collect();
-    match joint::search(&field, &everyone, aim, meter) {
+    match joint::search(&tables, &everyone, aim, meter) {
         joint::JointAnswer::Found(paths) => Some(timing::earliest(instance, &paths)),
         joint::JointAnswer::Impossible(_) | joint::JointAnswer::GaveUp(_) => None,
     }

@@ -17,7 +17,7 @@ const SHARE: u64 = 4;
 const MAX_NAMED: usize = 6;
 
 /// A task with a part that blockers cut off.
-pub struct Shut<'a> {
+pub struct CutOffPart<'a> {
     pub order: &'a ElectrodeArrayOrder,
     pub stage: &'a BoardStage<'a>,
     /// Indices of the stage's blockers.
@@ -28,7 +28,7 @@ pub struct Shut<'a> {
 }
 
 /// Result of planning the task with a remedy.
-pub enum Tried {
+pub enum RemedyOutcome {
     Planned,
     /// Proven: it has no plan with the remedy either.
     Impossible,
@@ -38,21 +38,23 @@ pub enum Tried {
     LeftOut,
 }
 
-impl Shut<'_> {
+impl CutOffPart<'_> {
     /// The help of the report; `None` if no blocker is known.
-    pub fn help(&self, tried: Tried) -> Option<String> {
+    pub fn help(&self, outcome: RemedyOutcome) -> Option<String> {
         if self.blamed.is_empty() {
             return None;
         }
         let alone = format!("without {} `{}` has a path", self.names(self.blamed), self.part);
-        Some(match tried {
-            Tried::Planned => format!("{} there is a plan{}", self.remedy(), self.extent()),
-            Tried::Impossible => format!("{alone}{}; but {} the task has no plan either", self.extent(), self.then()),
-            Tried::NotFound(budget) => {
+        Some(match outcome {
+            RemedyOutcome::Planned => format!("{} there is a plan{}", self.remedy(), self.extent()),
+            RemedyOutcome::Impossible => {
+                format!("{alone}{}; but {} the task has no plan either", self.extent(), self.then())
+            }
+            RemedyOutcome::NotFound(budget) => {
                 let within = format!("within {budget} expansions per step");
                 format!("{alone}{}; no plan of the task was found {} {within}", self.extent(), self.then())
             }
-            Tried::LeftOut => format!("{alone}{}; the other parts were not considered", self.extent()),
+            RemedyOutcome::LeftOut => format!("{alone}{}; the other parts were not considered", self.extent()),
         })
     }
 

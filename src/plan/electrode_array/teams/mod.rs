@@ -261,7 +261,7 @@ impl TeamSearch<'_> {
                 }
                 BoardAnswer::Impossible(NoBoardPlan::TooFewSteps { least }) => lower(least.max(choice.key.0)),
                 BoardAnswer::Impossible(
-                    NoBoardPlan::Closed { .. } | NoBoardPlan::Torn { .. } | NoBoardPlan::Blocked { .. },
+                    NoBoardPlan::Closed { .. } | NoBoardPlan::TornByChannels { .. } | NoBoardPlan::Blocked { .. },
                 ) => {}
             }
         }

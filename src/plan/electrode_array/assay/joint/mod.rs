@@ -12,7 +12,7 @@
 mod positions;
 mod stands;
 
-use super::route::Ahead;
+use super::route::StopDistances;
 use super::{AgentCourse, AssayProblem, ErrandLag, SplitErrand};
 use crate::plan::electrode_array::board::{BoardObjective, CellIndex, MetCells};
 use crate::plan::electrode_array::channels::broadcast::{AgentStep, PulledStep, SharedChannels};
@@ -59,15 +59,15 @@ pub(super) fn takes(problem: &AssayProblem) -> bool {
 /// the objective.
 pub(super) fn least(
     problem: &AssayProblem,
-    ahead: &Ahead,
+    ahead: &StopDistances,
     terms: JointTerms,
     meter: &mut Meter,
 ) -> SearchAnswer<Vec<AgentCourse>, AgentCells, u32> {
     if !takes(problem) {
         return SearchAnswer::GaveUp(0);
     }
-    let is_due = |agent: usize| problem.comes[agent] || problem.parents[agent].is_some();
-    let stand = |agent: usize| if is_due(agent) { JointStand::Due } else { start(problem, agent) };
+    let is_due = |agent: usize| problem.enters[agent] || problem.parents[agent].is_some();
+    let stand = |agent: usize| if is_due(agent) { JointStand::NotEntered } else { start(problem, agent) };
     let before: Vec<JointStand> = (0..problem.errands.len()).map(stand).collect();
     let mut search = JointSearch {
         problem,
@@ -96,7 +96,7 @@ pub(super) fn least(
 
 struct JointSearch<'a> {
     problem: &'a AssayProblem<'a>,
-    ahead: &'a Ahead,
+    ahead: &'a StopDistances,
     terms: JointTerms,
     nodes: Vec<JointNode>,
     known: KnownPositions,
@@ -128,7 +128,7 @@ impl JointSearch<'_> {
 
     fn is_end(&self, index: u32) -> bool {
         let has_done = |(agent, stand): (usize, &JointStand)| match stand {
-            JointStand::Due => false,
+            JointStand::NotEntered => false,
             JointStand::Gone => true,
             JointStand::There(stand) => {
                 let errands = &self.problem.errands[agent];
@@ -161,7 +161,7 @@ impl JointSearch<'_> {
         let (mut longest, mut sum) = (0, 0u32);
         for (agent, stand) in position.stands.iter().enumerate() {
             let stand = match stand {
-                JointStand::Due => at_start(self.problem, agent),
+                JointStand::NotEntered => at_start(self.problem, agent),
                 JointStand::There(stand) => *stand,
                 JointStand::Gone => continue,
             };
@@ -223,7 +223,7 @@ impl JointSearch<'_> {
         let cells = self.problem.traces.as_ref().map_or(Vec::new(), |_| next.iter().map(cell).collect());
         settle(self.problem, &mut next);
         let mut with_new = Vec::new();
-        self.come(&next, 0, &mut with_new);
+        self.append_entries(&next, 0, &mut with_new);
         for stands in with_new {
             let left = self.trodden(&cells, &stands, before.left);
             let Some((left, waits)) = left.zip(self.waited(&stands, before.waits)) else { continue };
@@ -248,7 +248,7 @@ impl JointSearch<'_> {
                     continue;
                 }
                 JointStand::There(stand) => stand,
-                JointStand::Due => at_start(self.problem, agent),
+                JointStand::NotEntered => at_start(self.problem, agent),
             };
             if self.left_of(agent, stand).is_some_and(|(_, moves)| moves == 0) {
                 sets.extend(sets.clone().into_iter().map(|set| set | 1 << agent));
@@ -278,7 +278,7 @@ impl JointSearch<'_> {
         let touch = |(agent, stand): (usize, &JointStand)| {
             let contents = &traces.contents[agent];
             let (cell, done) = match stand {
-                JointStand::Due => return None,
+                JointStand::NotEntered => return None,
                 JointStand::There(stand) => (Some(stand.cell), stand.done as usize),
                 JointStand::Gone => (cells[agent], contents.len() - 1),
             };
@@ -304,7 +304,7 @@ impl JointSearch<'_> {
             *own |= 1 << content;
         }
         let harmful = stands.iter().enumerate().map(|(agent, stand)| match stand {
-            JointStand::Due => self.harmful[agent][0],
+            JointStand::NotEntered => self.harmful[agent][0],
             JointStand::There(stand) => self.harmful[agent][stand.done as usize],
             JointStand::Gone => 0,
         });
@@ -317,7 +317,7 @@ impl JointSearch<'_> {
     fn extend(&self, from: &[JointStand], settled: u8, next: &mut Vec<JointStand>, found: &mut Vec<Box<[JointStand]>>) {
         let agent = next.len();
         let Some(stand) = from.get(agent) else {
-            found.extend(self.with_given_off(from, next));
+            found.extend(self.with_split_off(from, next));
             return;
         };
         let JointStand::There(own) = stand else {
@@ -344,26 +344,26 @@ impl JointSearch<'_> {
     }
 
     /// The split of an agent in a step, if it has one.
-    fn gives_off(&self, from: &[JointStand], agent: usize, next: AgentStand) -> Option<SplitErrand> {
+    fn split_in_step(&self, from: &[JointStand], agent: usize, next: AgentStand) -> Option<SplitErrand> {
         let has_split = from[agent].there().is_some_and(|own| next.done > own.done);
         due(self.problem, from, agent).filter(|_| has_split)?.splits
     }
 
     /// The step of an agent from a cell, with the cell to which its other half is pulled, if it splits.
     fn pulled(&self, from: &[JointStand], agent: usize, cell: CellIndex, next: AgentStand) -> PulledStep {
-        let split = self.gives_off(from, agent, next);
-        let meant = split.map(|split| self.problem.instance.agents[split.child].start);
-        PulledStep { step: AgentStep { from: cell, to: next.cell }, meant }
+        let split = self.split_in_step(from, agent, next);
+        let split_electrode = split.map(|split| self.problem.instance.agents[split.child].start);
+        PulledStep { step: AgentStep { from: cell, to: next.cell }, split_electrode }
     }
 
     /// Whether shared channels tear an agent apart in a step, or the half that splits off in it.
     fn is_torn(&self, from: &[JointStand], agent: usize, own: AgentStand, next: AgentStand) -> bool {
         let Some(channels) = self.channels() else { return false };
         let step = self.pulled(from, agent, own.cell, next);
-        let Some(split) = self.gives_off(from, agent, next) else { return channels.tears_pulled(step) };
+        let Some(split) = self.split_in_step(from, agent, next) else { return channels.tears_apart_pulled(step) };
         let to = self.problem.instance.agents[split.child].start;
-        let half = PulledStep { step: AgentStep { from: split.from, to }, meant: Some(next.cell) };
-        channels.tears_pulled(step) || channels.tears_pulled(half) || channels.clash_pulled(step, half)
+        let half = PulledStep { step: AgentStep { from: split.from, to }, split_electrode: Some(next.cell) };
+        channels.tears_apart_pulled(step) || channels.tears_apart_pulled(half) || channels.clash_pulled(step, half)
     }
 
     /// All steps of an agent, ignoring the others.
@@ -384,7 +384,7 @@ impl JointSearch<'_> {
         let rested = if around.is_some() || !may_begin { 0 } else { own.rested + 1 };
         let mut steps = vec![AgentStand { rested, ..own }];
         // An agent that has entered must be dispensed first.
-        let is_dispensed = problem.comes[agent] && own.done == 0;
+        let is_dispensed = problem.enters[agent] && own.done == 0;
         if !is_dispensed {
             let beside = problem.instance.board.neighbours(own.cell);
             steps.extend(beside.map(|cell| AgentStand { cell, rested: 0, ..own }));
@@ -398,26 +398,26 @@ impl JointSearch<'_> {
 
     /// A joint position with the agents that split off in the step to it; `None` if one of them comes too near to
     /// another agent.
-    fn with_given_off(&self, from: &[JointStand], next: &[JointStand]) -> Option<Box<[JointStand]>> {
+    fn with_split_off(&self, from: &[JointStand], next: &[JointStand]) -> Option<Box<[JointStand]>> {
         let (problem, instance) = (self.problem, self.problem.instance);
-        let given = |agent: usize| Some((agent, self.gives_off(from, agent, next[agent].there()?)?));
-        let given: Vec<(usize, SplitErrand)> = (0..next.len()).filter_map(given).collect();
+        let splits = |agent: usize| Some((agent, self.split_in_step(from, agent, next[agent].there()?)?));
+        let splits: Vec<(usize, SplitErrand)> = (0..next.len()).filter_map(splits).collect();
         let mut all: Box<[JointStand]> = next.into();
-        for (_, split) in &given {
+        for (_, split) in &splits {
             all[split.child] = start(problem, split.child);
         }
         let is_clear = |(agent, split): &(usize, SplitErrand)| {
             let ours = [split.from, instance.agents[split.child].start];
-            let meant = all[*agent].there().map(|stand| stand.cell);
-            let half = PulledStep { step: AgentStep { from: ours[0], to: ours[1] }, meant };
+            let split_electrode = all[*agent].there().map(|stand| stand.cell);
+            let half = PulledStep { step: AgentStep { from: ours[0], to: ours[1] }, split_electrode };
             (0..all.len()).filter(|other| other != agent && *other != split.child).all(|other| {
-                let parent = given.iter().find(|(_, theirs)| theirs.child == other);
+                let parent = splits.iter().find(|(_, theirs)| theirs.child == other);
                 let before = parent.map(|(_, theirs)| theirs.from).or(from[other].there().map(|stand| stand.cell));
                 let after = all[other].there();
                 let step = before.zip(after).map(|(cell, next)| match parent {
                     Some((parent, _)) => PulledStep {
                         step: AgentStep { from: cell, to: next.cell },
-                        meant: all[*parent].there().map(|stand| stand.cell),
+                        split_electrode: all[*parent].there().map(|stand| stand.cell),
                     },
                     None => self.pulled(from, other, cell, next),
                 });
@@ -429,14 +429,14 @@ impl JointSearch<'_> {
                         .all(|theirs| ours.iter().all(|own| instance.board.apart(*own, theirs) >= instance.separation))
             })
         };
-        given.iter().all(is_clear).then_some(all)
+        splits.iter().all(is_clear).then_some(all)
     }
 
     /// Appends all ways in which agents from index `from` on can enter at this instant, including none. Agents that
     /// enter have no errand done yet.
-    fn come(&self, stands: &[JointStand], from: usize, found: &mut Vec<Box<[JointStand]>>) {
+    fn append_entries(&self, stands: &[JointStand], from: usize, found: &mut Vec<Box<[JointStand]>>) {
         let is_due = |agent: &usize| {
-            stands[*agent] == JointStand::Due
+            stands[*agent] == JointStand::NotEntered
                 && self.problem.parents[*agent].is_none()
                 && may_begin(self.problem, stands, *agent)
         };
@@ -444,14 +444,14 @@ impl JointSearch<'_> {
             found.push(stands.into());
             return;
         };
-        self.come(stands, agent + 1, found);
+        self.append_entries(stands, agent + 1, found);
         let instance = self.problem.instance;
         let own = instance.agents[agent].start;
         let mut there = stands.iter().filter_map(|stand| stand.there());
         if there.all(|other| instance.board.apart(own, other.cell) >= instance.separation) {
             let mut stands = stands.to_vec();
             stands[agent] = start(self.problem, agent);
-            self.come(&stands, agent + 1, found);
+            self.append_entries(&stands, agent + 1, found);
         }
     }
 
@@ -501,7 +501,8 @@ impl JointSearch<'_> {
     }
 
     fn course(&self, chain: &[&JointNode], agent: usize) -> AgentCourse {
-        let since = chain.iter().take_while(|node| node.position.standings.stands[agent] == JointStand::Due).count();
+        let since =
+            chain.iter().take_while(|node| node.position.standings.stands[agent] == JointStand::NotEntered).count();
         let there = chain[since..].iter().map_while(|node| node.position.standings.stands[agent].there());
         let mut cells: Vec<CellIndex> = there.map(|stand| stand.cell).collect();
         if since + cells.len() < chain.len() {
@@ -550,20 +551,20 @@ mod tests {
         let instance = Instance { board, separation: 2, agents, merges: Vec::new() };
         let problem = AssayProblem {
             instance: &instance,
-            comes: vec![false; 3],
+            enters: vec![false; 3],
             parents: vec![None, None, Some(1)],
             loops: Vec::new(),
             afters: vec![vec![vec![ErrandPlace { agent: 1, errand: 1 }]], vec![Vec::new(); 2], vec![Vec::new()]],
             errands,
             lags: Vec::new(),
             releases: Vec::new(),
-            papers: Vec::new(),
+            relaxed_schedules: Vec::new(),
             operations: Vec::new(),
             is_gone: vec![false; 3],
             traces: None,
         };
         let mut meter = Meter::new(SearchBudget::of(100_000));
-        let ahead = Ahead::new(&problem, &mut Distances::of(&instance.board), &mut meter);
+        let ahead = StopDistances::new(&problem, &mut Distances::of(&instance.board), &mut meter);
         let terms = JointTerms { objective: BoardObjective::Makespan, limit: u32::MAX };
         let SearchAnswer::Found(courses) = least(&problem, &ahead, terms, &mut meter) else {
             panic!("there is a plan")

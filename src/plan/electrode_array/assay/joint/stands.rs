@@ -7,7 +7,7 @@ use crate::plan::electrode_array::board::CellIndex;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum JointStand {
     /// It has not entered the board yet.
-    Due,
+    NotEntered,
     There(AgentStand),
     Gone,
 }
@@ -45,7 +45,7 @@ pub fn due(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> Optio
 /// Whether all predecessors of an agent's next errand are done.
 pub fn may_begin(problem: &AssayProblem, stands: &[JointStand], agent: usize) -> bool {
     let errand = match stands[agent] {
-        JointStand::Due => 0,
+        JointStand::NotEntered => 0,
         JointStand::There(stand) => stand.done as usize,
         JointStand::Gone => return true,
     };
@@ -55,7 +55,7 @@ pub fn may_begin(problem: &AssayProblem, stands: &[JointStand], agent: usize) ->
 /// Whether an errand is done.
 pub fn is_done(stands: &[JointStand], place: &ErrandPlace) -> bool {
     match stands[place.agent] {
-        JointStand::Due => false,
+        JointStand::NotEntered => false,
         JointStand::There(stand) => stand.done as usize > place.errand,
         JointStand::Gone => true,
     }

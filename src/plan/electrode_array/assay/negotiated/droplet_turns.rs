@@ -1,7 +1,7 @@
 //! Agents move one after the other to their errands. Each enters a cell as soon as the agents that were near it before
 //! have left, by a cheapest path, on which contamination and waiting have a price.
 
-use crate::plan::electrode_array::assay::route::Ahead;
+use crate::plan::electrode_array::assay::route::StopDistances;
 use crate::plan::electrode_array::assay::{AgentCourse, AssayProblem, Errand, ErrandPlace, SplitErrand, Traces};
 use crate::plan::electrode_array::board::CellIndex;
 use std::cmp::Reverse;
@@ -77,7 +77,7 @@ impl<'a> DropletTurns<'a> {
             soil: vec![Vec::new(); cells],
             harmed: Vec::new(),
         };
-        for agent in (0..count).filter(|agent| !problem.comes[*agent] && problem.parents[*agent].is_none()) {
+        for agent in (0..count).filter(|agent| !problem.enters[*agent] && problem.parents[*agent].is_none()) {
             turns.appear(agent, 0);
         }
         turns
@@ -116,7 +116,7 @@ impl<'a> DropletTurns<'a> {
     /// Whether an agent is on the board, or enters with its next errand, and all predecessors of that are done.
     fn may_begin(&self, agent: usize) -> bool {
         let next = self.done_at[agent].len();
-        let is_there = self.stands[agent].is_some() || (self.problem.comes[agent] && next == 0);
+        let is_there = self.stands[agent].is_some() || (self.problem.enters[agent] && next == 0);
         let afters = self.problem.afters[agent].get(next).into_iter().flatten();
         is_there && afters.into_iter().all(|before| before.errand < self.done_at[before.agent].len())
     }
@@ -326,7 +326,7 @@ struct WayQuery {
 
 /// Cheapest-path search, with buffers that consecutive searches reuse.
 pub(super) struct CheapestWay<'a> {
-    ahead: &'a Ahead,
+    ahead: &'a StopDistances,
     /// Lower bound on the makespan of every plan, at least 1.
     least: u64,
     /// By cell: extra cost of a step to it.
@@ -343,7 +343,7 @@ pub(super) struct CheapestWay<'a> {
 }
 
 impl CheapestWay<'_> {
-    pub(super) fn new(ahead: &Ahead, least: u64, cells: usize) -> CheapestWay<'_> {
+    pub(super) fn new(ahead: &StopDistances, least: u64, cells: usize) -> CheapestWay<'_> {
         CheapestWay {
             ahead,
             least: least.max(1),

@@ -19,11 +19,11 @@
 
 mod droplet_turns;
 
-use super::aside::as_replayed;
 use super::bound::{self, AssayBounds};
+use super::detours::as_replayed;
 use super::lists::{below, last_done, moved_to};
 use super::replay::done_by;
-use super::route::Ahead;
+use super::route::StopDistances;
 use super::{AgentCourse, AssayPlan, AssayProblem, ErrandPlace};
 use crate::plan::electrode_array::board::BoardObjective;
 use crate::plan::search::Meter;
@@ -54,7 +54,7 @@ const SEED: u64 = 1;
 /// The best courses found, if any, from the order of the program and from the orders of known courses.
 pub(super) fn best(
     problem: &AssayProblem,
-    ahead: &Ahead,
+    ahead: &StopDistances,
     known: &[Vec<AgentCourse>],
     objective: BoardObjective,
     least: &AssayBounds,
@@ -63,12 +63,12 @@ pub(super) fn best(
     let mut negotiation = Negotiation::new(problem, ahead, least.costs.makespan);
     let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
     let mut random = SplitMix64::new(SEED);
-    let drops = negotiation.in_order_of_program();
-    let in_turn = negotiation.in_turn(&drops);
+    let droplets = negotiation.in_order_of_program();
+    let in_turn = negotiation.in_turn(&droplets);
     let seeds = std::iter::once(in_turn).chain(known.iter().map(|courses| in_order_of(problem, courses)));
     let first = |order| negotiation.first_courses(order, meter);
     let best = seeds.filter_map(first).min_by_key(|(courses, _)| key(courses));
-    let (mut best, mut order) = best.or_else(|| negotiation.by_changes(drops, &mut random, meter))?;
+    let (mut best, mut order) = best.or_else(|| negotiation.by_changes(droplets, &mut random, meter))?;
     let mut idle = 0;
     while idle < ORDERS && meter.left().steps > 0 && !AssayPlan::is_least(&best, objective, least.costs) {
         let other = negotiation.changed(&order, Some(best.as_slice()).filter(|_| idle % LAST_IN == 0), &mut random);
@@ -91,12 +91,12 @@ type ErrandOrder = Vec<ErrandPlace>;
 /// The errands in the order in which they begin in some courses.
 fn in_order_of(problem: &AssayProblem, courses: &[AgentCourse]) -> ErrandOrder {
     let done_by = done_by(problem, courses);
-    let comes = |place: &ErrandPlace| {
+    let begin = |place: &ErrandPlace| {
         let done = done_by[place.agent].get(place.errand).copied().unwrap_or(u32::MAX);
         done.saturating_sub(problem.errands[place.agent][place.errand].work())
     };
     let mut order: ErrandOrder = problem.places().collect();
-    order.sort_by_key(comes);
+    order.sort_by_key(begin);
     order
 }
 
@@ -129,45 +129,46 @@ fn behind_befores<T: Copy>(
 struct Negotiation<'a> {
     problem: &'a AssayProblem<'a>,
     /// By agent, the number of its droplet.
-    heads: Vec<usize>,
+    droplet_of: Vec<usize>,
     /// By droplet, its errands in the order of their operations.
-    drops: Vec<ErrandOrder>,
+    droplets: Vec<ErrandOrder>,
     /// By droplet: other droplets with errands that must come before some of its own.
     befores: Vec<Vec<usize>>,
     ways: CheapestWay<'a>,
 }
 
 impl<'a> Negotiation<'a> {
-    fn new(problem: &'a AssayProblem<'a>, ahead: &'a Ahead, least: u64) -> Negotiation<'a> {
-        let heads = bound::drops(problem);
-        let mut drops: Vec<ErrandOrder> = vec![Vec::new(); heads.len()];
-        let mut befores: Vec<Vec<usize>> = vec![Vec::new(); heads.len()];
-        problem.places().for_each(|place| drops[heads[place.agent]].push(place));
-        drops.iter_mut().for_each(|own| own.sort_by_key(|place| next_operation(problem, *place)));
-        for (agent, drop) in heads.iter().enumerate() {
-            let others = problem.afters[agent].iter().flatten().map(|before| heads[before.agent]);
-            befores[*drop].extend(others.filter(|other| other != drop));
+    fn new(problem: &'a AssayProblem<'a>, ahead: &'a StopDistances, least: u64) -> Negotiation<'a> {
+        let droplet_of = bound::droplet_of(problem);
+        let mut droplets: Vec<ErrandOrder> = vec![Vec::new(); droplet_of.len()];
+        let mut befores: Vec<Vec<usize>> = vec![Vec::new(); droplet_of.len()];
+        problem.places().for_each(|place| droplets[droplet_of[place.agent]].push(place));
+        droplets.iter_mut().for_each(|own| own.sort_by_key(|place| next_operation(problem, *place)));
+        for (agent, droplet) in droplet_of.iter().enumerate() {
+            let others = problem.afters[agent].iter().flatten().map(|before| droplet_of[before.agent]);
+            befores[*droplet].extend(others.filter(|other| other != droplet));
         }
         let ways = CheapestWay::new(ahead, least, problem.instance.board.cells());
-        Negotiation { problem, heads, drops, befores, ways }
+        Negotiation { problem, droplet_of, droplets, befores, ways }
     }
 
     /// The droplets in the order of their first operations.
     fn in_order_of_program(&self) -> Vec<usize> {
-        let mut order: Vec<usize> = (0..self.drops.len()).filter(|drop| !self.drops[*drop].is_empty()).collect();
-        order.sort_by_key(|drop| self.drops[*drop].first().map(|first| next_operation(self.problem, *first)));
+        let mut order: Vec<usize> =
+            (0..self.droplets.len()).filter(|droplet| !self.droplets[*droplet].is_empty()).collect();
+        order.sort_by_key(|droplet| self.droplets[*droplet].first().map(|first| next_operation(self.problem, *first)));
         order
     }
 
     /// The errands of one droplet after the other, with each droplet behind its predecessors, as far as possible.
     fn in_turn(&self, order: &[usize]) -> ErrandOrder {
-        let mut is_seen = vec![false; self.drops.len()];
-        let drops = behind_befores(
+        let mut is_seen = vec![false; self.droplets.len()];
+        let droplets = behind_befores(
             order.iter().copied(),
-            |drop| !std::mem::replace(&mut is_seen[drop], true),
-            |drop, open| open.extend(self.befores[drop].iter().rev().map(|before| (*before, false))),
+            |droplet| !std::mem::replace(&mut is_seen[droplet], true),
+            |droplet, open| open.extend(self.befores[droplet].iter().rev().map(|before| (*before, false))),
         );
-        drops.into_iter().flat_map(|drop| self.drops[drop].iter().copied()).collect()
+        droplets.into_iter().flat_map(|droplet| self.droplets[droplet].iter().copied()).collect()
     }
 
     /// Courses in a new order, without tolls from earlier ones.
@@ -179,13 +180,13 @@ impl<'a> Negotiation<'a> {
     /// Courses in a permuted order of the droplets.
     fn by_changes(
         &mut self,
-        mut drops: Vec<usize>,
+        mut droplets: Vec<usize>,
         random: &mut SplitMix64,
         meter: &mut Meter,
     ) -> Option<(Vec<AgentCourse>, ErrandOrder)> {
         for _ in 0..ORDERS {
-            drops = moved_to(&drops, below(random, drops.len()), below(random, drops.len()));
-            let found = self.first_courses(self.in_turn(&drops), meter);
+            droplets = moved_to(&droplets, below(random, droplets.len()), below(random, droplets.len()));
+            let found = self.first_courses(self.in_turn(&droplets), meter);
             if found.is_some() || meter.left().steps == 0 {
                 return found;
             }
@@ -202,8 +203,9 @@ impl<'a> Negotiation<'a> {
         random: &mut SplitMix64,
     ) -> ErrandOrder {
         let last = ends_with.and_then(|courses| last_done(courses).pop());
-        let drop = self.heads[last.unwrap_or_else(|| order[below(random, order.len())].agent)];
-        let own: Vec<usize> = (0..order.len()).filter(|place| self.heads[order[*place].agent] == drop).collect();
+        let droplet = self.droplet_of[last.unwrap_or_else(|| order[below(random, order.len())].agent)];
+        let own: Vec<usize> =
+            (0..order.len()).filter(|place| self.droplet_of[order[*place].agent] == droplet).collect();
         let from = if below(random, 2) == 0 { 0 } else { below(random, own.len()) };
         let to = if below(random, 2) == 0 { own.len() } else { from + 1 + below(random, own.len() - from) };
         let block = &own[from..to];
@@ -213,8 +215,8 @@ impl<'a> Negotiation<'a> {
         // Half of the time, before everything that another droplet does.
         let mut at = below(random, end + 1);
         if below(random, 2) == 0 && at < rest.len() {
-            let other = self.heads[rest[at].agent];
-            at = rest.iter().position(|errand| self.heads[errand.agent] == other).unwrap_or(at);
+            let other = self.droplet_of[rest[at].agent];
+            at = rest.iter().position(|errand| self.droplet_of[errand.agent] == other).unwrap_or(at);
         }
         rest.splice(at..at, block.iter().map(|place| order[*place]));
         rest
@@ -231,7 +233,7 @@ impl<'a> Negotiation<'a> {
                 // The agent's own previous errands are pushed last for its partner too, so that they are sorted first.
                 for of in std::iter::once(place).chain(problem.partner(place)) {
                     let own = of.errand.checked_sub(1).map(|errand| ErrandPlace { errand, ..of });
-                    let before = own.or_else(|| problem.given_off_by(of.agent));
+                    let before = own.or_else(|| problem.split_of(of.agent));
                     let afters = problem.afters[of.agent].get(of.errand).into_iter().flatten().copied();
                     open.extend(before.into_iter().chain(afters).map(|before| (before, false)));
                 }

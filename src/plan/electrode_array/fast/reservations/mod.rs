@@ -55,9 +55,9 @@ pub(super) enum Others {
     Soft,
 }
 
-/// The agent of a query.
+/// The agent for which safe intervals are listed, and what it may ignore.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Asking<'a> {
+pub(super) struct IntervalQuery<'a> {
     pub(super) goal: CellIndex,
     /// The agents with which it merges on its goal.
     pub(super) partners: &'a [u32],
@@ -66,7 +66,7 @@ pub(super) struct Asking<'a> {
     pub(super) weights: &'a [u32],
 }
 
-impl Asking<'_> {
+impl IntervalQuery<'_> {
     /// Whether a span is ignored: that of a merge partner, on the common goal or parked on it.
     #[inline]
     fn ignores(&self, cell: CellIndex, span: ReservedSpan) -> bool {
@@ -262,17 +262,17 @@ impl Reservations {
     }
 
     /// Appends the safe intervals of a cell, in order; they contain no hard instants.
-    pub(super) fn segments(&mut self, cell: CellIndex, asking: &Asking, out: &mut Vec<SafeInterval>) {
-        match asking.others {
-            Others::Hard if self.hazards == 0 => self.gaps(cell, asking, out),
-            Others::Hard | Others::Soft => self.levels(cell, asking, out),
+    pub(super) fn segments(&mut self, cell: CellIndex, query: &IntervalQuery, out: &mut Vec<SafeInterval>) {
+        match query.others {
+            Others::Hard if self.hazards == 0 => self.gaps(cell, query, out),
+            Others::Hard | Others::Soft => self.levels(cell, query, out),
         }
     }
 
-    fn gaps(&self, cell: CellIndex, asking: &Asking, out: &mut Vec<SafeInterval>) {
+    fn gaps(&self, cell: CellIndex, query: &IntervalQuery, out: &mut Vec<SafeInterval>) {
         let mut from = 0;
         for span in &self.spans[cell as usize] {
-            if !self.counts[span.version()] || asking.ignores(cell, *span) {
+            if !self.counts[span.version()] || query.ignores(cell, *span) {
                 continue;
             }
             if span.from > from {
@@ -285,14 +285,14 @@ impl Reservations {
         }
     }
 
-    fn levels(&mut self, cell: CellIndex, asking: &Asking, out: &mut Vec<SafeInterval>) {
+    fn levels(&mut self, cell: CellIndex, query: &IntervalQuery, out: &mut Vec<SafeInterval>) {
         self.events.clear();
         for span in &self.spans[cell as usize] {
-            if !self.counts[span.version()] || asking.ignores(cell, *span) {
+            if !self.counts[span.version()] || query.ignores(cell, *span) {
                 continue;
             }
-            let soft = asking.others == Others::Soft || span.owner & HAZARD != 0;
-            let own = || asking.weights.get(span.agent() as usize).map_or(1, |weight| i64::from(*weight));
+            let soft = query.others == Others::Soft || span.owner & HAZARD != 0;
+            let own = || query.weights.get(span.agent() as usize).map_or(1, |weight| i64::from(*weight));
             let weight = if soft { own() } else { HARD };
             self.events.push((span.from, weight));
             self.events.push((span.to, -weight));
@@ -312,7 +312,7 @@ impl Reservations {
     }
 
     /// Calls `found` with each agent that conflicts with a path, at least once.
-    pub(super) fn conflicts(&self, path: &[CellIndex], asking: &Asking, mut found: impl FnMut(usize)) {
+    pub(super) fn conflicts(&self, path: &[CellIndex], query: &IntervalQuery, mut found: impl FnMut(usize)) {
         let mut start = 0;
         while start < path.len() {
             let cell = path[start];
@@ -322,7 +322,7 @@ impl Reservations {
                 if span.from >= end {
                     break;
                 }
-                if span.to > start as u32 && self.counts[span.version()] && !asking.ignores(cell, *span) {
+                if span.to > start as u32 && self.counts[span.version()] && !query.ignores(cell, *span) {
                     found(span.agent() as usize);
                 }
             }

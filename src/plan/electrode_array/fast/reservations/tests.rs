@@ -56,10 +56,10 @@ fn segments_are_what_the_rule_says() {
         table.remove(2, &[0]);
         table.add(1, &paths[1]);
         for others in [Others::Hard, Others::Soft] {
-            let asking = Asking { goal: instance.agents[2].goal(), partners: &[1], others, weights: &[] };
+            let query = IntervalQuery { goal: instance.agents[2].goal(), partners: &[1], others, weights: &[] };
             for cell in 0..instance.board.cells() as CellIndex {
                 let mut segments = Vec::new();
-                table.segments(cell, &asking, &mut segments);
+                table.segments(cell, &query, &mut segments);
                 for instant in 0..INSTANTS {
                     let here = segments.iter().find(|one| (one.from..one.to).contains(&instant));
                     let touched = near(&instance, &paths, &[0, 1], 2, cell, instant);
@@ -81,9 +81,10 @@ fn conflicts_are_those_of_the_rule() {
         let mut table = Reservations::new(&instance);
         table.add(0, &paths[0]);
         table.add(1, &paths[1]);
-        let asking = Asking { goal: instance.agents[2].goal(), partners: &[1], others: Others::Hard, weights: &[] };
+        let query =
+            IntervalQuery { goal: instance.agents[2].goal(), partners: &[1], others: Others::Hard, weights: &[] };
         let mut found = Vec::new();
-        table.conflicts(&paths[2], &asking, |other| found.push(other));
+        table.conflicts(&paths[2], &query, |other| found.push(other));
         for other in [0, 1] {
             let touches = |at: u32| near(&instance, &paths, &[other], 2, position(&paths[2], at as usize), at) > 0;
             assert_eq!(found.contains(&other), (0..INSTANTS).any(touches));
@@ -116,12 +117,12 @@ fn a_hazard_is_soft_among_hard_paths() {
     let mut table = Reservations::new(&instance);
     table.add(0, &[0]);
     table.add_hazard(1, 4, 7);
-    let asking = Asking { goal: 8, partners: &[], others: Others::Hard, weights: &[] };
+    let query = IntervalQuery { goal: 8, partners: &[], others: Others::Hard, weights: &[] };
     let mut segments = Vec::new();
-    table.segments(3, &asking, &mut segments);
+    table.segments(3, &query, &mut segments);
     assert_eq!(segments, [SafeInterval { from: 0, to: 7, cost: 1 }, SafeInterval { from: 7, to: NEVER, cost: 0 }]);
     segments.clear();
-    table.segments(1, &asking, &mut segments);
+    table.segments(1, &query, &mut segments);
     assert_eq!(segments, []);
 }
 
@@ -153,10 +154,10 @@ fn a_hidden_path_does_not_count_until_it_is_decided() {
 }
 
 fn listing(table: &mut Reservations, instance: &Instance) -> Vec<Vec<SafeInterval>> {
-    let asking = Asking { goal: 0, partners: &[], others: Others::Hard, weights: &[] };
+    let query = IntervalQuery { goal: 0, partners: &[], others: Others::Hard, weights: &[] };
     let list = |cell| {
         let mut segments = Vec::new();
-        table.segments(cell, &asking, &mut segments);
+        table.segments(cell, &query, &mut segments);
         segments
     };
     (0..instance.board.cells() as CellIndex).map(list).collect()

@@ -13,7 +13,7 @@ use std::collections::BinaryHeap;
 use std::ops::Range;
 
 use super::distances::{DistanceField, UNREACHABLE};
-use super::reservations::{Asking, NEVER, Reservations, SafeInterval};
+use super::reservations::{IntervalQuery, NEVER, Reservations, SafeInterval};
 use crate::plan::electrode_array::board::{BoardGrid, CellIndex};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
@@ -29,7 +29,7 @@ pub(super) struct Query<'a> {
     pub(super) board: &'a BoardGrid,
     pub(super) start: CellIndex,
     pub(super) route: &'a StopRoute,
-    pub(super) asking: Asking<'a>,
+    pub(super) interval_query: IntervalQuery<'a>,
     /// Value of one unit of conflict cost, in instants.
     pub(super) weight: u32,
     /// Extra weight of the heuristic, in parts of [`GRAIN`] (weighted A*): a larger value heads straight for the goal.
@@ -158,7 +158,7 @@ impl Sipp {
         self.heads.clear();
         self.nodes.clear();
         self.open.clear();
-        let (_, end) = self.list(query, reservations, query.asking.goal);
+        let (_, end) = self.list(query, reservations, query.interval_query.goal);
         let last = self.segments.get((end as usize).checked_sub(1)?)?;
         if last.to != NEVER {
             return None;
@@ -204,7 +204,7 @@ impl Sipp {
             return (first, end);
         }
         let first = self.segments.len() as u32;
-        reservations.segments(cell, &query.asking, &mut self.segments);
+        reservations.segments(cell, &query.interval_query, &mut self.segments);
         let end = self.segments.len() as u32;
         self.heads.resize(end as usize * (query.route.last() as usize + 1), NONE);
         self.listed[cell as usize] = (self.round, first, end);
@@ -212,7 +212,7 @@ impl Sipp {
     }
 
     fn is_end(&self, query: &Query, node: &SippNode) -> bool {
-        node.cell == query.asking.goal
+        node.cell == query.interval_query.goal
             && node.layer == query.route.last()
             && self.segments[node.segment as usize].to == NEVER
     }
@@ -227,7 +227,7 @@ impl Sipp {
     ) {
         let leave = self.segments[node.segment as usize].to;
         self.enter(query, index, node, node.segment + 1, node.cell, 0);
-        if node.cell == query.asking.goal && !query.asking.partners.is_empty() {
+        if node.cell == query.interval_query.goal && !query.interval_query.partners.is_empty() {
             return;
         }
         let mut dice = random.next_u64();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::super::crew::{PlannedInstance, Wish};
+use super::super::planned_instance::{PathTerms, PlannedInstance};
 use super::super::reservations::Others;
 use super::*;
 use crate::plan::electrode_array::board::{Agent, Instance, Paths, position};
@@ -77,20 +77,20 @@ fn the_earliest_arrival_is_found() {
     for round in 0..400 {
         let (instance, paths) = scene(&mut random);
         let mut meter = Meter::new(SearchBudget::of(u64::MAX));
-        let mut crew = PlannedInstance::new(&instance, round, &mut meter).expect("walks reach");
+        let mut planned = PlannedInstance::new(&instance, round, &mut meter).expect("walks reach");
         for (agent, path) in paths.iter().enumerate() {
-            crew.table.add(agent, path);
+            planned.table.add(agent, path);
         }
         let truth = by_instants(&instance, &paths);
-        let wish = |limit| Wish { others: Others::Hard, weight: 0, haste: 0, limit, delay: 0, detour: None };
-        let path = crew.plan(paths.len(), wish(HORIZON), &mut meter);
+        let terms = |limit| PathTerms { others: Others::Hard, weight: 0, haste: 0, limit, delay: 0, detour: None };
+        let path = planned.plan(paths.len(), terms(HORIZON), &mut meter);
         assert_eq!(path.as_ref().map(|path| path.len() as u32 - 1), truth, "{instance:?} {paths:?}");
         if let Some(arrival) = truth.filter(|arrival| *arrival > 0) {
             found += 1;
-            assert_eq!(crew.plan(paths.len(), wish(arrival - 1), &mut meter), None);
-            assert_eq!(crew.plan(paths.len(), wish(arrival), &mut meter).map(|path| path.len() as u32 - 1), truth);
+            assert_eq!(planned.plan(paths.len(), terms(arrival - 1), &mut meter), None);
+            assert_eq!(planned.plan(paths.len(), terms(arrival), &mut meter).map(|path| path.len() as u32 - 1), truth);
         }
-        assert!(path.is_none_or(|path| crew.conflicts(paths.len(), &path).is_empty()));
+        assert!(path.is_none_or(|path| planned.conflicts(paths.len(), &path).is_empty()));
     }
     assert!(found > 100, "{found}");
 }
@@ -101,13 +101,14 @@ fn soft_paths_touch_no_one_where_hard_ones_exist() {
     for round in 0..200 {
         let (instance, paths) = scene(&mut random);
         let mut meter = Meter::new(SearchBudget::of(u64::MAX));
-        let mut crew = PlannedInstance::new(&instance, round, &mut meter).expect("walks reach");
+        let mut planned = PlannedInstance::new(&instance, round, &mut meter).expect("walks reach");
         for (agent, path) in paths.iter().enumerate() {
-            crew.table.add(agent, path);
+            planned.table.add(agent, path);
         }
-        let wish = Wish { others: Others::Soft, weight: 1_000, haste: 0, limit: u32::MAX, delay: 0, detour: None };
-        let path = crew.plan(paths.len(), wish, &mut meter).expect("soft paths always exist");
-        let touched = !crew.conflicts(paths.len(), &path).is_empty();
+        let terms =
+            PathTerms { others: Others::Soft, weight: 1_000, haste: 0, limit: u32::MAX, delay: 0, detour: None };
+        let path = planned.plan(paths.len(), terms, &mut meter).expect("soft paths always exist");
+        let touched = !planned.conflicts(paths.len(), &path).is_empty();
         assert_eq!(touched, by_instants(&instance, &paths).is_none());
     }
 }
@@ -118,8 +119,8 @@ fn a_search_ends_with_its_meter() {
     let instance =
         Instance { board, separation: 4, agents: vec![Agent { start: 0, stops: vec![399] }], merges: vec![] };
     let mut meter = Meter::new(SearchBudget::of(5));
-    let mut crew = PlannedInstance::new(&instance, 0, &mut meter).expect("open");
-    let wish = Wish { others: Others::Hard, weight: 0, haste: 0, limit: u32::MAX, delay: 0, detour: None };
-    assert_eq!(crew.plan(0, wish, &mut meter), None);
+    let mut planned = PlannedInstance::new(&instance, 0, &mut meter).expect("open");
+    let terms = PathTerms { others: Others::Hard, weight: 0, haste: 0, limit: u32::MAX, delay: 0, detour: None };
+    assert_eq!(planned.plan(0, terms, &mut meter), None);
     assert_eq!(meter.spent(), 5);
 }

@@ -12,7 +12,7 @@
 
 use super::bound::{self, AssayBounds};
 use super::replay::cut_where_gone;
-use super::route::Ahead;
+use super::route::StopDistances;
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, Traces, lags, lists};
 use crate::plan::electrode_array::board::BoardObjective;
 use crate::plan::electrode_array::board::CellIndex;
@@ -29,13 +29,13 @@ const MAX_ERRANDS: usize = 2_000;
 const SHARE: u64 = 3;
 
 /// Most agents for which random lists are tried.
-const MAX_AGENTS_BY_CHANCE: usize = 64;
+const MAX_AGENTS_OF_RANDOM_LISTS: usize = 64;
 
 /// Random lists tried while there is no plan.
-const TRIES_BY_CHANCE: usize = 10_000;
+const MAX_RANDOM_LISTS: usize = 10_000;
 
 /// Random lists tried once there is a plan.
-const MORE_TRIES: usize = 40;
+const MORE_RANDOM_LISTS: usize = 40;
 
 /// Budget steps charged per errand for each random list, since its bounds are computed anew.
 const STEPS_PER_ERRAND: u64 = 20;
@@ -59,18 +59,18 @@ pub(super) fn by_lists(
     }
     // Leaving at the end and coming back takes more moves than most plans need.
     [false, true].into_iter().find_map(|come_back| {
-        let aside = Some(StepsAside::of(problem, come_back)?.inserted(problem)).filter(can_be_ordered)?;
-        let ahead = Ahead::new(&aside, distances, meter);
-        let bounds = AssayBounds { costs: least.costs, ..bound::least(&aside, &ahead) };
+        let detoured = Some(Detours::of(problem, come_back)?.inserted(problem)).filter(can_be_ordered)?;
+        let ahead = StopDistances::new(&detoured, distances, meter);
+        let bounds = AssayBounds { costs: least.costs, ..bound::least(&detoured, &ahead) };
         let share = meter.left().steps / SHARE;
-        let courses = meter.share(share, |meter| lags::by_lists(&aside, &ahead, objective, &bounds, meter))?;
+        let courses = meter.share(share, |meter| lags::by_lists(&detoured, &ahead, objective, &bounds, meter))?;
         as_replayed(problem, courses)
     })
 }
 
 /// Courses by random lists in which some agents first move to a random cell, out of the way of agents that come before
 /// them.
-pub(super) fn by_chance(
+pub(super) fn by_random_lists(
     problem: &AssayProblem,
     objective: BoardObjective,
     least: &AssayBounds,
@@ -78,30 +78,30 @@ pub(super) fn by_chance(
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
     let board = &problem.instance.board;
-    let is_there = |agent: &usize| !problem.comes[*agent] && problem.parents[*agent].is_none();
+    let is_there = |agent: &usize| !problem.enters[*agent] && problem.parents[*agent].is_none();
     let movable: Vec<usize> = (0..problem.errands.len()).filter(is_there).collect();
     let free: Vec<CellIndex> = (0..board.cells() as CellIndex).filter(|cell| !board.is_blocked(*cell)).collect();
-    if movable.is_empty() || problem.errands.len() > MAX_AGENTS_BY_CHANCE {
+    if movable.is_empty() || problem.errands.len() > MAX_AGENTS_OF_RANDOM_LISTS {
         return None;
     }
     let mut random = SplitMix64::new(SEED);
     let mut below = |count: usize| lists::below(&mut random, count);
     let mut best: Option<Vec<AgentCourse>> = None;
-    let mut tries = TRIES_BY_CHANCE;
+    let mut tries = MAX_RANDOM_LISTS;
     while tries > 0 && meter.left().steps > 0 {
         tries -= 1;
         meter.charge(STEPS_PER_ERRAND * problem.errands.iter().map(Vec::len).sum::<usize>() as u64);
-        let mut aside = problem.clone();
+        let mut detoured = problem.clone();
         for agent in movable.iter().filter(|_| below(DETOURS_IN) == 0).collect::<Vec<_>>() {
-            insert(&mut aside, ErrandPlace { agent: *agent, errand: 0 }, free[below(free.len())]);
-            move_places(&mut aside, |place| place.errand += usize::from(place.agent == *agent));
+            insert(&mut detoured, ErrandPlace { agent: *agent, errand: 0 }, free[below(free.len())]);
+            move_places(&mut detoured, |place| place.errand += usize::from(place.agent == *agent));
         }
-        let ahead = Ahead::new(&aside, distances, meter);
-        let bounds = AssayBounds { costs: least.costs, ..bound::least(&aside, &ahead) };
+        let ahead = StopDistances::new(&detoured, distances, meter);
+        let bounds = AssayBounds { costs: least.costs, ..bound::least(&detoured, &ahead) };
         let seed = below(usize::MAX) as u64;
-        let found = lists::by_chance(&aside, &ahead, objective, &bounds, seed, meter);
+        let found = lists::by_random_list(&detoured, &ahead, objective, &bounds, seed, meter);
         let Some(courses) = found.and_then(|courses| as_replayed(problem, courses)) else { continue };
-        tries = tries.min(MORE_TRIES);
+        tries = tries.min(MORE_RANDOM_LISTS);
         let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
         if best.as_ref().is_none_or(|best| key(&courses) < key(best)) {
             best = Some(courses);
@@ -128,7 +128,7 @@ fn move_places(problem: &mut AssayProblem, moved: impl Fn(&mut ErrandPlace)) {
 }
 
 /// The cells where agents step aside.
-struct StepsAside {
+struct Detours {
     /// By agent and errand: the cell where it waits for the errand, if it would otherwise wait in the way of others.
     before: Vec<Vec<Option<CellIndex>>>,
     /// By agent: the cell where it goes after its last errand, before it comes back.
@@ -143,9 +143,9 @@ enum WantedBy {
     Several,
 }
 
-impl StepsAside {
+impl Detours {
     /// `None` if no agent would be in the way.
-    fn of(problem: &AssayProblem, come_back: bool) -> Option<StepsAside> {
+    fn of(problem: &AssayProblem, come_back: bool) -> Option<Detours> {
         let mut wanted = wanted(problem);
         let mut before: Vec<Vec<Option<CellIndex>>> =
             problem.errands.iter().map(|errands| vec![None; errands.len()]).collect();
@@ -158,44 +158,44 @@ impl StepsAside {
                     || met_later(problem, place).is_some();
                 let pauses = index.checked_sub(1).is_some_and(|errand| awaited.contains(&(agent, errand)));
                 let is_too_soon = begins_too_soon(problem, place);
-                let is_there = index > 0 || (!problem.comes[agent] && problem.parents[agent].is_none());
+                let is_there = index > 0 || (!problem.enters[agent] && problem.parents[agent].is_none());
                 if !(waits || pauses || is_too_soon) || !is_there || errand.splits.is_some() {
                     continue;
                 }
                 let from = index.checked_sub(1).map_or(problem.instance.agents[agent].start, |last| errands[last].stop);
-                before[agent][index] = aside(problem, &mut wanted, agent, from, is_too_soon);
+                before[agent][index] = detour(problem, &mut wanted, agent, from, is_too_soon);
             }
             let has_operation = problem.operations[agent].iter().any(Option::is_some);
             if let Some(last) = errands.last().filter(|_| come_back && has_operation && !problem.is_gone[agent]) {
-                after[agent] = aside(problem, &mut wanted, agent, last.stop, false);
+                after[agent] = detour(problem, &mut wanted, agent, last.stop, false);
             }
         }
         let is_any = before.iter().flatten().chain(&after).any(Option::is_some);
-        is_any.then_some(StepsAside { before, after })
+        is_any.then_some(Detours { before, after })
     }
 
     /// The problem with these errands inserted.
     fn inserted<'a>(&self, problem: &AssayProblem<'a>) -> AssayProblem<'a> {
-        let mut aside = problem.clone();
+        let mut detoured = problem.clone();
         for place in problem.places() {
-            aside.afters[place.agent][place.errand].extend(met_later(problem, place));
+            detoured.afters[place.agent][place.errand].extend(met_later(problem, place));
             if let Some(traces) = &problem.traces {
                 // A child is on the board from the split on, so the parent must wait.
-                let held = problem.given_off_by(place.agent).filter(|_| place.errand == 0).unwrap_or(place);
-                aside.afters[held.agent][held.errand].extend(harmed_later(problem, traces, place));
+                let held = problem.split_of(place.agent).filter(|_| place.errand == 0).unwrap_or(place);
+                detoured.afters[held.agent][held.errand].extend(harmed_later(problem, traces, place));
             }
         }
         for agent in 0..problem.errands.len() {
             // From the last one on, so that earlier indices stay valid.
             for (index, cell) in self.before[agent].iter().enumerate().rev() {
-                cell.iter().for_each(|cell| insert(&mut aside, ErrandPlace { agent, errand: index }, *cell));
+                cell.iter().for_each(|cell| insert(&mut detoured, ErrandPlace { agent, errand: index }, *cell));
             }
             if let (Some(cell), Some(last)) = (self.after[agent], problem.errands[agent].last()) {
                 for cell in [cell, last.stop] {
-                    let end = ErrandPlace { agent, errand: aside.errands[agent].len() };
-                    insert(&mut aside, end, cell);
+                    let end = ErrandPlace { agent, errand: detoured.errands[agent].len() };
+                    insert(&mut detoured, end, cell);
                 }
-                if let Some(afters) = aside.afters[agent].last_mut() {
+                if let Some(afters) = detoured.afters[agent].last_mut() {
                     *afters = others_near(problem, agent, last.stop);
                 }
             }
@@ -203,8 +203,8 @@ impl StepsAside {
         let moved = |place: &mut ErrandPlace| {
             place.errand += self.before[place.agent][..=place.errand].iter().flatten().count();
         };
-        move_places(&mut aside, moved);
-        aside
+        move_places(&mut detoured, moved);
+        detoured
     }
 }
 
@@ -221,7 +221,7 @@ fn insert(problem: &mut AssayProblem, ErrandPlace { agent, errand: index }: Erra
     problem.errands[agent].insert(index, errand);
     problem.operations[agent].insert(index, None);
     problem.afters[agent].insert(index, Vec::new());
-    for instants in std::iter::once(&mut problem.releases).chain(&mut problem.papers) {
+    for instants in std::iter::once(&mut problem.releases).chain(&mut problem.relaxed_schedules) {
         if let Some(own) = instants.get_mut(agent) {
             own.insert(index, 0);
         }
@@ -236,7 +236,7 @@ fn can_be_ordered(problem: &AssayProblem) -> bool {
     let mut done = vec![0; problem.errands.len()];
     let is_due = |done: &[usize], agent: usize| {
         let afters = problem.afters[agent].get(done[agent]).into_iter().flatten().copied();
-        problem.given_off_by(agent).into_iter().chain(afters).all(|before| before.errand < done[before.agent])
+        problem.split_of(agent).into_iter().chain(afters).all(|before| before.errand < done[before.agent])
     };
     let mut is_stuck = false;
     while !std::mem::replace(&mut is_stuck, true) {
@@ -307,7 +307,7 @@ fn begins_too_soon(problem: &AssayProblem, place: ErrandPlace) -> bool {
 
 /// The cell to which an agent steps aside from `from`, if it would be in the way there or `leaves` in any case, and
 /// there is room. From then on it counts as needed by that agent.
-fn aside(
+fn detour(
     problem: &AssayProblem,
     wanted: &mut [WantedBy],
     agent: usize,

@@ -1,8 +1,8 @@
 //! All paths of one agent with one cost, as a multi-value decision diagram: one layer per instant (Sharon et al., "The increasing
 //! cost tree search for optimal multi-agent pathfinding", Artificial Intelligence 195, 2013).
 
-use super::demand::{AgentConstraint, Ban, OutOfSteps};
-use super::field::{CellPlace, ExactTables, FAR, StagedCell};
+use super::constraint::{AgentConstraint, Ban, OutOfSteps};
+use super::tables::{CellPlace, ExactTables, FAR, StagedCell};
 use crate::plan::electrode_array::board::{CellIndex, position};
 use crate::plan::search::Meter;
 
@@ -56,38 +56,38 @@ impl MultiValueDecisionDiagram {
     /// The paths of an agent that meet its constraints and arrive exactly at `cost`, which must be reachable. Charges
     /// one step for each node.
     pub fn new(
-        field: &ExactTables,
+        tables: &ExactTables,
         agent: usize,
-        demand: &AgentConstraint,
+        constraint: &AgentConstraint,
         cost: u32,
         meter: &mut Meter,
     ) -> Result<MultiValueDecisionDiagram, OutOfSteps> {
-        let reached = forward(field, agent, demand, cost, meter)?;
-        let kept = backward(field, agent, reached);
-        Ok(MultiValueDecisionDiagram::linked(field, agent, &kept))
+        let reached = forward(tables, agent, constraint, cost, meter)?;
+        let kept = backward(tables, agent, reached);
+        Ok(MultiValueDecisionDiagram::linked(tables, agent, &kept))
     }
 
     /// The paths over the kept nodes; `None` if none is left.
     pub fn filtered(
         &self,
-        field: &ExactTables,
+        tables: &ExactTables,
         agent: usize,
         keep: impl Fn(u32, usize) -> bool,
     ) -> Option<MultiValueDecisionDiagram> {
         let mut kept: Vec<Vec<StagedCell>> = vec![];
-        let mut last_seen = vec![u32::MAX; field.nodes(agent)];
+        let mut last_seen = vec![u32::MAX; tables.nodes(agent)];
         for instant in 0..=self.cost() {
             let layer =
                 self.at(instant).iter().enumerate().filter(|(place, _)| keep(instant, *place)).map(|(_, node)| *node);
             let layer: Vec<StagedCell> =
                 layer.filter(|node| instant == 0 || last_seen[*node as usize] == instant).collect();
             for node in &layer {
-                field.next(agent, *node).for_each(|to| last_seen[to as usize] = instant + 1);
+                tables.next(agent, *node).for_each(|to| last_seen[to as usize] = instant + 1);
             }
             kept.push(layer);
         }
-        let kept = backward(field, agent, kept);
-        (!kept[0].is_empty()).then(|| MultiValueDecisionDiagram::linked(field, agent, &kept))
+        let kept = backward(tables, agent, kept);
+        (!kept[0].is_empty()).then(|| MultiValueDecisionDiagram::linked(tables, agent, &kept))
     }
 
     /// Number of nodes.
@@ -95,8 +95,8 @@ impl MultiValueDecisionDiagram {
         self.nodes.len()
     }
 
-    fn linked(field: &ExactTables, agent: usize, kept: &[Vec<StagedCell>]) -> MultiValueDecisionDiagram {
-        let mut layers = MultiValueDecisionDiagram {
+    fn linked(tables: &ExactTables, agent: usize, kept: &[Vec<StagedCell>]) -> MultiValueDecisionDiagram {
+        let mut mdd = MultiValueDecisionDiagram {
             starts: vec![0],
             nodes: vec![],
             places: vec![],
@@ -104,24 +104,25 @@ impl MultiValueDecisionDiagram {
             edges: vec![],
             extents: vec![],
         };
-        let mut places = vec![u32::MAX; field.nodes(agent)];
+        let mut places = vec![u32::MAX; tables.nodes(agent)];
         for (instant, layer) in kept.iter().enumerate() {
             let next: &[StagedCell] = kept.get(instant + 1).map_or(&[], Vec::as_slice);
             next.iter().zip(0..).for_each(|(node, place)| places[*node as usize] = place);
             for node in layer {
-                let targets = field.next(agent, *node).map(|to| places[to as usize]).filter(|place| *place != u32::MAX);
-                layers.edges.extend(targets);
-                layers.edge_starts.push(layers.edges.len() as u32);
+                let targets =
+                    tables.next(agent, *node).map(|to| places[to as usize]).filter(|place| *place != u32::MAX);
+                mdd.edges.extend(targets);
+                mdd.edge_starts.push(mdd.edges.len() as u32);
             }
             next.iter().for_each(|node| places[*node as usize] = u32::MAX);
-            layers.nodes.extend_from_slice(layer);
-            layers.places.extend(layer.iter().map(|node| field.place(field.cell(*node))));
-            layers.starts.push(layers.nodes.len() as u32);
+            mdd.nodes.extend_from_slice(layer);
+            mdd.places.extend(layer.iter().map(|node| tables.place(tables.cell(*node))));
+            mdd.starts.push(mdd.nodes.len() as u32);
             let extent =
-                layer.iter().fold(CellExtent::EMPTY, |extent, node| extent.with(field.place(field.cell(*node))));
-            layers.extents.push(extent);
+                layer.iter().fold(CellExtent::EMPTY, |extent, node| extent.with(tables.place(tables.cell(*node))));
+            mdd.extents.push(extent);
         }
-        layers
+        mdd
     }
 
     /// The instant of arrival.
@@ -160,43 +161,43 @@ impl MultiValueDecisionDiagram {
 
     /// Number of nodes outside `ban`, and number of all nodes, in the layer with the fewest nodes outside while the ban
     /// is in force.
-    pub fn outside(&self, field: &ExactTables, ban: &Ban) -> (usize, usize) {
+    pub fn outside(&self, tables: &ExactTables, ban: &Ban) -> (usize, usize) {
         let instants = ban.from..=ban.until.min(self.cost().max(ban.from));
         let counts = instants.map(|instant| {
             let layer = self.at(instant);
-            (layer.iter().filter(|node| !ban.covers(field, field.cell(**node))).count(), layer.len())
+            (layer.iter().filter(|node| !ban.covers(tables, tables.cell(**node))).count(), layer.len())
         });
         counts.min().unwrap_or((1, 1))
     }
 
     /// The path that conflicts with the fewest of `others`; ties go to the node that comes earlier in its layer.
-    pub fn best_path(&self, field: &ExactTables, agent: usize, others: &[(usize, &[CellIndex])]) -> Vec<CellIndex> {
+    pub fn best_path(&self, tables: &ExactTables, agent: usize, others: &[(usize, &[CellIndex])]) -> Vec<CellIndex> {
         let cost = self.cost();
         let mut tolls = vec![0u32; self.nodes.len()];
         for instant in (0..=cost).rev() {
-            let close = self.close_by(field, instant, others);
+            let close = self.close_by(tables, instant, others);
             for place in 0..self.at(instant).len() {
                 let index = self.starts[instant as usize] as usize + place;
-                let cell = field.cell(self.nodes[index]);
+                let cell = tables.cell(self.nodes[index]);
                 let own = close
                     .iter()
-                    .filter(|(other, cells)| cells.iter().any(|at| field.too_near(agent, cell, *other, *at)));
+                    .filter(|(other, cells)| cells.iter().any(|at| tables.too_near(agent, cell, *other, *at)));
                 let next = self.starts[(instant + 1).min(cost) as usize] as usize;
                 let onward = self.edges(instant, place).iter().map(|to| tolls[next + *to as usize]).min();
                 tolls[index] = own.count() as u32 + if instant == cost { 0 } else { onward.unwrap_or(0) };
             }
         }
-        self.walk(field, &tolls)
+        self.walk(tables, &tolls)
     }
 
-    fn walk(&self, field: &ExactTables, tolls: &[u32]) -> Vec<CellIndex> {
-        let mut path = vec![field.cell(self.nodes[0])];
+    fn walk(&self, tables: &ExactTables, tolls: &[u32]) -> Vec<CellIndex> {
+        let mut path = vec![tables.cell(self.nodes[0])];
         let mut place = 0;
         for instant in 0..self.cost() {
             let next = self.starts[instant as usize + 1] as usize;
             let cheapest = self.edges(instant, place).iter().min_by_key(|to| tolls[next + **to as usize]);
             place = *cheapest.expect("every node lies on a path") as usize;
-            path.push(field.cell(self.nodes[next + place]));
+            path.push(tables.cell(self.nodes[next + place]));
         }
         path
     }
@@ -204,7 +205,7 @@ impl MultiValueDecisionDiagram {
     /// The others that come near the layer of an instant, with their positions around it.
     fn close_by(
         &self,
-        field: &ExactTables,
+        tables: &ExactTables,
         instant: u32,
         others: &[(usize, &[CellIndex])],
     ) -> Vec<(usize, [CellIndex; 3])> {
@@ -213,12 +214,12 @@ impl MultiValueDecisionDiagram {
             let instant = instant as usize;
             [position(path, instant.saturating_sub(1)), position(path, instant), position(path, instant + 1)]
         };
-        let separation = field.instance.separation as i32;
+        let separation = tables.instance.separation as i32;
         others
             .iter()
             .map(|(other, path)| (*other, around(path)))
             .filter(|(_, cells)| {
-                !cells.iter().all(|cell| extent.is_apart(&CellExtent::EMPTY.with(field.place(*cell)), separation))
+                !cells.iter().all(|cell| extent.is_apart(&CellExtent::EMPTY.with(tables.place(*cell)), separation))
             })
             .collect()
     }
@@ -226,25 +227,25 @@ impl MultiValueDecisionDiagram {
 
 /// The nodes reachable at each instant that leave enough time for the rest.
 fn forward(
-    field: &ExactTables,
+    tables: &ExactTables,
     agent: usize,
-    demand: &AgentConstraint,
+    constraint: &AgentConstraint,
     cost: u32,
     meter: &mut Meter,
 ) -> Result<Vec<Vec<StagedCell>>, OutOfSteps> {
-    let mut layers = vec![vec![field.start(agent)]];
-    let mut last_seen = vec![0u32; field.nodes(agent)];
+    let mut layers = vec![vec![tables.start(agent)]];
+    let mut last_seen = vec![0u32; tables.nodes(agent)];
     for instant in 1..=cost {
-        let bans: Vec<Ban> = demand.bans_at(instant).copied().collect();
+        let bans: Vec<Ban> = constraint.bans_at(instant).copied().collect();
         let mut layer = vec![];
         for node in &layers[instant as usize - 1] {
             meter.step().ok_or(OutOfSteps)?;
-            for next in field.next(agent, *node) {
-                let distance = field.distance(agent, next);
+            for next in tables.next(agent, *node) {
+                let distance = tables.distance(agent, next);
                 let is_late = distance == FAR || instant + distance > cost;
                 if is_late
                     || last_seen[next as usize] == instant
-                    || bans.iter().any(|ban| ban.covers(field, field.cell(next)))
+                    || bans.iter().any(|ban| ban.covers(tables, tables.cell(next)))
                 {
                     continue;
                 }
@@ -258,12 +259,12 @@ fn forward(
 }
 
 /// Of the reachable nodes, those from which the last layer is reachable.
-fn backward(field: &ExactTables, agent: usize, mut layers: Vec<Vec<StagedCell>>) -> Vec<Vec<StagedCell>> {
-    let mut alive_at = vec![u32::MAX; field.nodes(agent)];
+fn backward(tables: &ExactTables, agent: usize, mut layers: Vec<Vec<StagedCell>>) -> Vec<Vec<StagedCell>> {
+    let mut alive_at = vec![u32::MAX; tables.nodes(agent)];
     for instant in (0..layers.len()).rev() {
         if instant + 1 < layers.len() {
             layers[instant]
-                .retain(|node| field.next(agent, *node).any(|to| alive_at[to as usize] == instant as u32 + 1));
+                .retain(|node| tables.next(agent, *node).any(|to| alive_at[to as usize] == instant as u32 + 1));
         }
         layers[instant].iter().for_each(|node| alive_at[*node as usize] = instant as u32);
     }

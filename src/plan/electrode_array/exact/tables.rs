@@ -49,26 +49,26 @@ struct AgentDistances {
 }
 
 /// Why the tables were not built.
-pub enum Closed {
+pub enum NoExactTables {
     /// The tables would be too large.
     TooLarge,
     /// Blocked cells cut this agent off from this stop.
-    Stop { agent: usize, stop: usize },
+    StopCutOff { agent: usize, stop: usize },
 }
 
 impl<'a> ExactTables<'a> {
     /// Builds the tables; an error if some agent cannot reach its goal even alone.
-    pub fn new(instance: &'a Instance) -> Result<ExactTables<'a>, Closed> {
+    pub fn new(instance: &'a Instance) -> Result<ExactTables<'a>, NoExactTables> {
         let board = &instance.board;
         let stages = instance.agents.iter().map(|agent| agent.stops.len() as u64).sum::<u64>();
         if (stages + 8).saturating_mul(board.cells() as u64) > MOST_ENTRIES {
-            return Err(Closed::TooLarge);
+            return Err(NoExactTables::TooLarge);
         }
         let cells = board.cells() as u32;
         let place = |(column, row): (u32, u32)| CellPlace { column: column as i32, row: row as i32 };
         let places = (0..cells).map(|cell| place(board.place(cell))).collect();
         let is_torn = |from: CellIndex, to: CellIndex| {
-            board.channels().is_some_and(|channels| channels.tears(AgentStep { from, to }))
+            board.channels().is_some_and(|channels| channels.tears_apart(AgentStep { from, to }))
         };
         let steps = (0..cells).map(|cell| steps_at(instance, cell, |to| !is_torn(cell, to))).collect();
         let back: Vec<[CellIndex; 5]> =
@@ -81,18 +81,18 @@ impl<'a> ExactTables<'a> {
             merged[one * count + other] = true;
             merged[other * count + one] = true;
         }
-        let mut field =
+        let mut tables =
             ExactTables { instance, cells, places, steps, restless, ways: Vec::with_capacity(count), merged };
         let open = if board.channels().is_none() { board.free_rectangle() } else { None };
         let mut flooding = Flooding { back, open, queue: Vec::with_capacity(cells as usize) };
         for agent in 0..count {
-            let way = field.way(agent, &mut flooding)?;
-            field.ways.push(way);
+            let way = tables.way(agent, &mut flooding)?;
+            tables.ways.push(way);
         }
-        Ok(field)
+        Ok(tables)
     }
 
-    fn way(&self, agent: usize, flooding: &mut Flooding) -> Result<AgentDistances, Closed> {
+    fn way(&self, agent: usize, flooding: &mut Flooding) -> Result<AgentDistances, NoExactTables> {
         let stops = &self.instance.agents[agent].stops;
         let mut distances = vec![FAR; stops.len() * self.cells as usize];
         let mut onward = 0;
@@ -102,7 +102,7 @@ impl<'a> ExactTables<'a> {
             let before = if stage == 0 { self.instance.agents[agent].start } else { stops[stage - 1] };
             onward = layer[before as usize];
             if onward == FAR {
-                return Err(Closed::Stop { agent, stop: stage });
+                return Err(NoExactTables::StopCutOff { agent, stop: stage });
             }
         }
         let goal = self.cells * (stops.len() as u32 - 1) + stops[stops.len() - 1];
@@ -246,9 +246,9 @@ struct Flooding {
 
 impl Flooding {
     /// Fills in the distances to a cell, counted from `first`.
-    fn flood(&mut self, field: &ExactTables, from: CellIndex, first: u32, distances: &mut [u32]) {
+    fn flood(&mut self, tables: &ExactTables, from: CellIndex, first: u32, distances: &mut [u32]) {
         if let Some([low, high]) = self.open {
-            let board = &field.instance.board;
+            let board = &tables.instance.board;
             let (column, row) = board.place(from);
             for r in low.1..=high.1 {
                 let across = first + r.abs_diff(row);

@@ -1,7 +1,7 @@
 //! State that all stages of the fast planner share: the instance, distances, reservations and the search of one agent.
 
 use super::distances::Distances;
-use super::reservations::{Asking, Others, Reservations};
+use super::reservations::{IntervalQuery, Others, Reservations};
 use super::sipp::{Query, Sipp, StopRoute};
 use super::weights::ConflictWeights;
 use crate::plan::electrode_array::board::{CellIndex, Instance, NoBoardPlan, Paths};
@@ -26,7 +26,7 @@ pub(super) struct PlannedInstance<'a> {
 
 /// Settings for planning one agent.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Wish {
+pub(super) struct PathTerms {
     pub(super) others: Others,
     /// Value of one unit of conflict cost, in instants.
     pub(super) weight: u32,
@@ -73,21 +73,22 @@ impl<'a> PlannedInstance<'a> {
     }
 
     /// Plans a path of one agent, whose own path must not be in the table.
-    pub(super) fn plan(&mut self, agent: usize, wish: Wish, meter: &mut Meter) -> Option<Vec<CellIndex>> {
+    pub(super) fn plan(&mut self, agent: usize, terms: PathTerms, meter: &mut Meter) -> Option<Vec<CellIndex>> {
         let it = &self.instance.agents[agent];
-        let stops = wish.detour.iter().chain(&it.stops);
+        let stops = terms.detour.iter().chain(&it.stops);
         let route = route(self.instance, it.start, stops, &mut self.distances, meter).ok()?;
         let weights = self.weights.row(agent);
-        let asking = Asking { goal: it.goal(), partners: &self.partners[agent], others: wish.others, weights };
+        let interval_query =
+            IntervalQuery { goal: it.goal(), partners: &self.partners[agent], others: terms.others, weights };
         let query = Query {
             board: &self.instance.board,
             start: it.start,
             route: &route,
-            asking,
-            weight: wish.weight,
-            haste: wish.haste,
-            limit: wish.limit.min(self.step_limit),
-            delay: wish.delay,
+            interval_query,
+            weight: terms.weight,
+            haste: terms.haste,
+            limit: terms.limit.min(self.step_limit),
+            delay: terms.delay,
         };
         self.sipp.plan(&query, &mut self.table, &mut self.random, meter)
     }
@@ -95,9 +96,10 @@ impl<'a> PlannedInstance<'a> {
     /// The agents in the table with which a path conflicts, sorted.
     pub(super) fn conflicts(&self, agent: usize, path: &[CellIndex]) -> Vec<usize> {
         let goal = self.instance.agents[agent].goal();
-        let asking = Asking { goal, partners: &self.partners[agent], others: Others::Hard, weights: &[] };
+        let interval_query =
+            IntervalQuery { goal, partners: &self.partners[agent], others: Others::Hard, weights: &[] };
         let mut found = Vec::new();
-        self.table.conflicts(path, &asking, |other| {
+        self.table.conflicts(path, &interval_query, |other| {
             if other != agent {
                 found.push(other);
             }

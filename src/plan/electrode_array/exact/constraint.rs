@@ -1,6 +1,6 @@
 //! Constraints of one agent in a node of the constraint tree, and the least cost at which the agent alone meets them.
 
-use super::field::{CellPlace, ExactTables, FAR, StagedCell};
+use super::tables::{CellPlace, ExactTables, FAR, StagedCell};
 use crate::plan::electrode_array::board::CellIndex;
 use crate::plan::search::Meter;
 use rustc_hash::FxHashSet;
@@ -24,8 +24,8 @@ pub struct Ban {
 impl Ban {
     /// Whether it forbids a cell while it is in force.
     #[inline]
-    pub fn covers(&self, field: &ExactTables, cell: CellIndex) -> bool {
-        let CellPlace { column, row } = field.place(cell);
+    pub fn covers(&self, tables: &ExactTables, cell: CellIndex) -> bool {
+        let CellPlace { column, row } = tables.place(cell);
         (self.columns.0..=self.columns.1).contains(&column)
             && (self.rows.0..=self.rows.1).contains(&row)
             && self.except != Some(cell)
@@ -56,14 +56,14 @@ impl AgentConstraint {
     }
 
     /// First instant from which it may stay on its goal for good; `None` if never.
-    fn may_stay_from(&self, field: &ExactTables, agent: usize) -> Option<u32> {
-        let goal = field.cell(field.goal(agent));
-        let closing = self.bans.iter().filter(|ban| ban.covers(field, goal));
+    fn may_stay_from(&self, tables: &ExactTables, agent: usize) -> Option<u32> {
+        let goal = tables.cell(tables.goal(agent));
+        let closing = self.bans.iter().filter(|ban| ban.covers(tables, goal));
         closing.map(|ban| ban.until.checked_add(1)).try_fold(self.least, |least, end| Some(least.max(end?)))
     }
 
-    fn forbids(&self, field: &ExactTables, cell: CellIndex, instant: u32) -> bool {
-        self.bans.iter().any(|ban| ban.holds_at(instant) && ban.covers(field, cell))
+    fn forbids(&self, tables: &ExactTables, cell: CellIndex, instant: u32) -> bool {
+        self.bans.iter().any(|ban| ban.holds_at(instant) && ban.covers(tables, cell))
     }
 
     /// The bans in force at an instant.
@@ -80,22 +80,22 @@ pub struct OutOfSteps;
 /// the constraints no longer change, the instant is dropped from the state, so that the search is finite. Charges one
 /// step for each expanded node.
 pub fn least_cost(
-    field: &ExactTables,
+    tables: &ExactTables,
     agent: usize,
-    demand: &AgentConstraint,
+    constraint: &AgentConstraint,
     meter: &mut Meter,
 ) -> Result<Option<u32>, OutOfSteps> {
-    let Some(stay_from) = demand.may_stay_from(field, agent) else { return Ok(None) };
-    let start = field.start(agent);
-    let cost = |node: StagedCell, instant: u32| match field.distance(agent, node) {
+    let Some(stay_from) = constraint.may_stay_from(tables, agent) else { return Ok(None) };
+    let start = tables.start(agent);
+    let cost = |node: StagedCell, instant: u32| match tables.distance(agent, node) {
         FAR => None,
-        distance => Some((instant + distance).max(stay_from)).filter(|cost| *cost <= demand.most),
+        distance => Some((instant + distance).max(stay_from)).filter(|cost| *cost <= constraint.most),
     };
     let Some(first) = cost(start, 0) else { return Ok(None) };
-    if demand.forbids(field, field.cell(start), 0) {
+    if constraint.forbids(tables, tables.cell(start), 0) {
         return Ok(None);
     }
-    let settled_from = demand.settled_from();
+    let settled_from = constraint.settled_from();
     let mut open: Vec<Vec<(StagedCell, u32)>> = vec![vec![(start, 0)]];
     let mut closed = FxHashSet::default();
     let mut bucket = 0;
@@ -108,12 +108,12 @@ pub fn least_cost(
             continue;
         }
         meter.step().ok_or(OutOfSteps)?;
-        if node == field.goal(agent) && instant >= stay_from {
+        if node == tables.goal(agent) && instant >= stay_from {
             return Ok(Some(instant));
         }
-        for next in field.next(agent, node) {
+        for next in tables.next(agent, node) {
             let Some(whole) = cost(next, instant + 1) else { continue };
-            if demand.forbids(field, field.cell(next), instant + 1)
+            if constraint.forbids(tables, tables.cell(next), instant + 1)
                 || closed.contains(&(next, (instant + 1).min(settled_from)))
             {
                 continue;
