@@ -9,13 +9,13 @@ use proptest::prelude::*;
 use std::sync::Arc;
 
 fn drive_in(order: &MicrorobotsOrder, docked: &[usize], driven: usize, stops: &[Pose]) -> Result<Driven, StuckDrive> {
-    let world = World::new(order);
+    let world = CollisionWorld::new(order);
     let start: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
     let docked: Vec<bool> = (0..start.len()).map(|robot| docked.contains(&robot)).collect();
     let bed = BedPoses::new(start.clone(), docked.clone());
-    let request = Drive { order, world: &world, bed: &bed, robot: driven, stops };
+    let request = DriveRequest { order, world: &world, bed: &bed, robot: driven, stops };
     let plan = drive(&request, SearchBudget::of(500_000))?;
-    assert_eq!(world.first_hit(&start, &docked, &plan.legs, &[]), None);
+    assert_eq!(world.first_collision(&start, &docked, &plan.legs, &[]), None);
     let mut poses = start;
     let mut stop = 0;
     for (index, leg) in plan.legs.iter().enumerate() {
@@ -124,7 +124,7 @@ fn what_others_hit_is_told() {
     let order = three([Pose::at(0.0, 0.0), far(1), pose(5_000.0, 0.0, 0.0)], vec![wall]);
     let stuck = drive_in(&order, &[], 0, &[Pose::at(2_000.0, 0.0)]).unwrap_err();
     let StuckReason::Meets(hit) = stuck.reason else { panic!("{stuck:?}") };
-    assert_eq!(hit.meeting, ForbiddenMeeting::Obstacle { robot: 2, obstacle: 0 });
+    assert_eq!(hit.collision, Collision::Obstacle { robot: 2, obstacle: 0 });
     assert!(!stuck.reason.is_proof());
     // With its legs chosen accordingly, it turns in time: while all arms are down in between, it comes back.
     let wall = obstacle("wall", Shape::Box { size_um: [40.0, 4_000.0] }, Pose::at(9_000.0, 0.0));
