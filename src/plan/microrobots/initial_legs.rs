@@ -67,7 +67,7 @@ impl<'a> RandomInitialLegs<'a> {
             world,
             bed,
             random: SplitMix64::new(seed),
-            states: (0..states).filter(|state| world.spares(*state, &bed.docked)).collect(),
+            states: (0..states).filter(|state| world.keeps_docked_arms_up(*state, &bed.docked)).collect(),
             most_strokes: (span_um / step_um.max(f64::MIN_POSITIVE)) as u64,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::bound::{self, LeastFigures};
 use super::guarantee::{StageContainments, estimated_containments, message, tolerated_multiple};
-use super::steps::{BedRoute, InitialLegChoice, carried_out};
+use super::steps::{BedRoute, InitialLegChoice, plan_steps};
 use super::strategy::{driven, episodes};
 use super::why::BedReasons;
 use super::{Crew, MicrorobotsMotion};
@@ -70,7 +70,7 @@ fn planned(
     sink: &mut Sink,
 ) -> Option<(Option<Plan<MicrorobotsMotion>>, Crew)> {
     let least = bound::least(order, &start);
-    let fastest = carried_out(order, order, &start, is_first, InitialLegChoice::Best, sink)?;
+    let fastest = plan_steps(order, order, &start, is_first, InitialLegChoice::Best, sink)?;
     let BedRoute { motion, end } = match order.objective {
         MicrorobotsObjective::Time | MicrorobotsObjective::Switches => fastest,
         MicrorobotsObjective::Failures => reliability::most_reliable(order, &start, is_first, fastest),

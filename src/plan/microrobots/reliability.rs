@@ -9,7 +9,7 @@
 //! trials in all.
 
 use super::simulation::{self, SimulationReport};
-use super::steps::{BedRoute, InitialLegChoice, carried_out};
+use super::steps::{BedRoute, InitialLegChoice, plan_steps};
 use super::why::with_errors;
 use super::{Crew, MicrorobotsMotion};
 use crate::claims::Job;
@@ -84,7 +84,7 @@ pub fn most_reliable(order: &MicrorobotsOrder, start: &Crew, is_first: bool, fas
     }
     let rooms = ROOMS.map(|shares| widened(order, shares));
     let planned = |room: usize, initial_legs: InitialLegChoice, routes: &mut Vec<(usize, BedRoute)>| {
-        let route = carried_out(order, &rooms[room], start, is_first, initial_legs, &mut Sink::default());
+        let route = plan_steps(order, &rooms[room], start, is_first, initial_legs, &mut Sink::default());
         let is_new = |route: &BedRoute| routes.iter().all(|other| other.1.motion != route.motion);
         if let Some(route) = route.filter(is_new) {
             routes.push((room, route));

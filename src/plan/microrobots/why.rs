@@ -2,7 +2,7 @@
 
 use super::assembly::{RobotBlocker, StuckAssembly};
 use super::collision_proof::InevitableCollision;
-use super::drive::{self, StuckReason, Thing};
+use super::drive::{self, DriveBlocker, StuckReason};
 use super::guarantee::message;
 use super::world::{Collision, FirstCollision};
 use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
@@ -173,18 +173,18 @@ impl BedReasons<'_> {
         if self.docked.contains(&true) { " with the arms of docked robots up" } else { "" }
     }
 
-    fn thing(&self, thing: Thing) -> String {
+    fn thing(&self, thing: DriveBlocker) -> String {
         match thing {
-            Thing::Obstacle(index) => format!("`{}`", self.order.obstacles[index].name),
-            Thing::Robot(robot) => self.name(robot),
-            Thing::Orbit(robot) => format!("the orbit of {}", self.name(robot)),
+            DriveBlocker::Obstacle(index) => format!("`{}`", self.order.obstacles[index].name),
+            DriveBlocker::Robot(robot) => self.name(robot),
+            DriveBlocker::Orbit(robot) => format!("the orbit of {}", self.name(robot)),
         }
     }
 
-    fn near(&self, diagnostic: Diagnostic, thing: Thing, named_at: Span) -> Diagnostic {
+    fn near(&self, diagnostic: Diagnostic, thing: DriveBlocker, named_at: Span) -> Diagnostic {
         let span = match thing {
-            Thing::Obstacle(index) => self.order.obstacles[index].span,
-            Thing::Robot(robot) | Thing::Orbit(robot) => self.order.robots[robot].span,
+            DriveBlocker::Obstacle(index) => self.order.obstacles[index].span,
+            DriveBlocker::Robot(robot) | DriveBlocker::Orbit(robot) => self.order.robots[robot].span,
         };
         diagnostic.label_elsewhere(span, named_at, "in the way")
     }

@@ -30,7 +30,7 @@ use crate::geometry::Pose;
 use crate::plan::microrobots::MicrorobotsMotion;
 pub use belief::MAX_ASTRAY;
 use belief::{Belief, Sighting};
-use stages::{Progress, StageOf};
+use stages::{Progress, StepStage};
 
 /// Most consecutive measurements that may be unusable.
 pub const MAX_UNUSABLE: u32 = 5;
@@ -79,7 +79,7 @@ pub struct Stop {
 #[derive(Debug, Clone)]
 pub struct Controller<'a> {
     belief: Belief<'a>,
-    stages: Vec<StageOf<'a>>,
+    stages: Vec<StepStage<'a>>,
     /// Index of the current stage.
     at: usize,
     command: CommandSegments,

@@ -46,13 +46,13 @@ pub struct DriveRequest<'a> {
 impl DriveRequest<'_> {
     /// The control states that keep the arms of docked robots up.
     fn states(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.world.state_count()).filter(|state| self.world.spares(*state, &self.bed.docked))
+        (0..self.world.state_count()).filter(|state| self.world.keeps_docked_arms_up(*state, &self.bed.docked))
     }
 }
 
-/// A successful drive.
+/// The legs of a successful drive.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Driven {
+pub struct DrivePlan {
     /// Consecutive legs differ in their states, unless a stop lies between them. Empty if the robot is at its goal
     /// already.
     pub legs: Vec<Leg>,
@@ -80,9 +80,9 @@ pub struct StuckDrive {
     pub paths: usize,
 }
 
-/// An obstruction.
+/// What stands in the way of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Thing {
+pub enum DriveBlocker {
     /// Index into the order's obstacles.
     Obstacle(usize),
     /// The body of a robot.
@@ -103,13 +103,13 @@ pub enum StuckReason {
     /// arm while keeping those of docked robots up.
     NeverRuns,
     /// A proof if every plan has the robot here before this stop: at its current pose it is too near to this to move.
-    Start(Thing),
+    Start(DriveBlocker),
     /// At the stop it is too near to this. No proof: it may stop elsewhere within the precision.
-    Goal(Thing),
+    Goal(DriveBlocker),
     /// No path around this was found. No proof.
-    Blocked(Thing),
+    Blocked(DriveBlocker),
     /// The budget ran out; this blocks the shortest path. No proof.
-    GaveUp(Thing),
+    GaveUp(DriveBlocker),
     /// The precision is finer than whole strokes can achieve. No proof.
     TooFine,
     /// The budget ran out during the choice of control states. No proof.
@@ -134,7 +134,7 @@ impl StuckReason {
 ///
 /// # Errors
 /// See [`StuckReason`].
-pub fn drive(request: &DriveRequest, budget: SearchBudget) -> Result<Driven, StuckDrive> {
+pub fn drive(request: &DriveRequest, budget: SearchBudget) -> Result<DrivePlan, StuckDrive> {
     let mut progress =
         DriveProgress { request, meter: Meter::new(budget), legs: Vec::new(), met: Vec::new(), paths: 0 };
     for (stop, goal) in request.stops.iter().enumerate() {
@@ -295,14 +295,14 @@ impl DriveProgress<'_> {
         Ok(())
     }
 
-    fn driven(self) -> Driven {
+    fn driven(self) -> DrivePlan {
         let DriveRequest { world, bed, robot, stops, .. } = *self.request;
         let facts = &world.body(robot).robot;
         let start = std::iter::once(&bed.poses[robot]);
         let exact_um: f64 = start.chain(stops).zip(stops).map(|(from, to)| free::distance_um(facts, *from, *to)).sum();
         let strokes = self.legs.iter().map(|leg| leg.strokes).sum();
         let exact_strokes = (exact_um / facts.step_um - ROUNDING).ceil().max(0.0) as u64;
-        Driven {
+        DrivePlan {
             met: self.met,
             strokes,
             exact_strokes,
@@ -332,20 +332,20 @@ impl Around {
         Around { fixtures: Fixtures { discs: Vec::new(), bodies: rectangles }, bodies, discs: Vec::new() }
     }
 
-    fn thing(&self, obstruction: Obstruction) -> Thing {
+    fn blocker(&self, obstruction: Obstruction) -> DriveBlocker {
         match obstruction {
-            Obstruction::Obstacle(obstacle) => Thing::Obstacle(obstacle),
-            Obstruction::Disc(disc) => Thing::Orbit(self.discs[disc]),
-            Obstruction::Body(body) => Thing::Robot(self.bodies[body]),
+            Obstruction::Obstacle(obstacle) => DriveBlocker::Obstacle(obstacle),
+            Obstruction::Disc(disc) => DriveBlocker::Orbit(self.discs[disc]),
+            Obstruction::Body(body) => DriveBlocker::Robot(self.bodies[body]),
         }
     }
 
     fn reason(&self, failure: PathFailure) -> StuckReason {
         match failure {
-            PathFailure::Start(found) => StuckReason::Start(self.thing(found)),
-            PathFailure::Goal(found) => StuckReason::Goal(self.thing(found)),
-            PathFailure::Blocked(found) => StuckReason::Blocked(self.thing(found)),
-            PathFailure::GaveUp(found) => StuckReason::GaveUp(self.thing(found)),
+            PathFailure::Start(found) => StuckReason::Start(self.blocker(found)),
+            PathFailure::Goal(found) => StuckReason::Goal(self.blocker(found)),
+            PathFailure::Blocked(found) => StuckReason::Blocked(self.blocker(found)),
+            PathFailure::GaveUp(found) => StuckReason::GaveUp(self.blocker(found)),
         }
     }
 

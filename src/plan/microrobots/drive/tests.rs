@@ -8,7 +8,12 @@ use crate::plan::microrobots::world::fixture::{bed, obstacle, pose, robot};
 use proptest::prelude::*;
 use std::sync::Arc;
 
-fn drive_in(order: &MicrorobotsOrder, docked: &[usize], driven: usize, stops: &[Pose]) -> Result<Driven, StuckDrive> {
+fn drive_in(
+    order: &MicrorobotsOrder,
+    docked: &[usize],
+    driven: usize,
+    stops: &[Pose],
+) -> Result<DrivePlan, StuckDrive> {
     let world = CollisionWorld::new(order);
     let start: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
     let docked: Vec<bool> = (0..start.len()).map(|robot| docked.contains(&robot)).collect();
@@ -102,7 +107,7 @@ fn docked_robots_are_driven_around() {
     let plan = drive_in(&order, &[1], 0, &[Pose::at(2_000.0, 0.0)]).unwrap();
     assert!(!plan.direct);
     let stuck = drive_in(&order, &[1], 0, &[Pose::at(1_000.0, 50.0)]).unwrap_err();
-    assert!(stuck.reason == StuckReason::Goal(Thing::Robot(1)) && !stuck.reason.is_proof());
+    assert!(stuck.reason == StuckReason::Goal(DriveBlocker::Robot(1)) && !stuck.reason.is_proof());
     assert_eq!(drive_in(&order, &[1], 1, &[Pose::at(1_000.0, 500.0)]).unwrap_err().reason, StuckReason::Docked);
 }
 

@@ -68,7 +68,8 @@ impl<'a> InitialLegSearch<'a> {
         bed: &'a BedPoses,
         docks: &[Dock],
     ) -> Option<InitialLegSearch<'a>> {
-        let states: Vec<usize> = (0..world.state_count()).filter(|state| world.spares(*state, &bed.docked)).collect();
+        let states: Vec<usize> =
+            (0..world.state_count()).filter(|state| world.keeps_docked_arms_up(*state, &bed.docked)).collect();
         let moving = (0..world.count()).filter(|robot| !bed.docked[*robot]);
         let step_um = moving.map(|robot| order.robot(robot).step_um).fold(0.0, f64::max);
         let estimate = AssemblyEstimate::new(roomy, world, bed, docks)?;

@@ -39,7 +39,7 @@ pub enum InitialLegChoice {
 
 /// Plans the steps of a job one after the other; `None` after an error was pushed for one of them. `roomy` is the order
 /// with the clearances that an assembly keeps after its initial legs, no smaller than the order's own.
-pub fn carried_out(
+pub fn plan_steps(
     order: &MicrorobotsOrder,
     roomy: &MicrorobotsOrder,
     start: &Crew,
@@ -53,7 +53,7 @@ pub fn carried_out(
     let mut is_given = is_first;
     for step in &order.steps {
         let motion =
-            BedStepPlanner { order, roomy, world: &world, bed: &bed, step, is_given, initial_legs }.done(sink)?;
+            BedStepPlanner { order, roomy, world: &world, bed: &bed, step, is_given, initial_legs }.planned(sink)?;
         is_given &= matches!(step.action, MicrorobotsAction::Wait(_) | MicrorobotsAction::Apply { .. });
         match &motion {
             MicrorobotsStepMotion::Legs { legs, docks, .. } => bed.follow(&world, legs, docks),
@@ -98,7 +98,7 @@ const BEST_SEED: u64 = 1;
 const MANY_SEED: u64 = 2;
 
 impl<'a> BedStepPlanner<'a> {
-    fn done(&self, sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
+    fn planned(&self, sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
         match &self.step.action {
             MicrorobotsAction::Wait(duration_ns) => Some(MicrorobotsStepMotion::Wait(*duration_ns)),
             MicrorobotsAction::Apply { state, duration_ns } => self.applied(*state, *duration_ns, sink),

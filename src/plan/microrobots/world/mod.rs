@@ -159,7 +159,7 @@ impl CollisionWorld {
 
     /// Whether a control state keeps the arms of all docked robots up; a stroke with one of them down would turn the
     /// structure.
-    pub fn spares(&self, state: usize, docked: &[bool]) -> bool {
+    pub fn keeps_docked_arms_up(&self, state: usize, docked: &[bool]) -> bool {
         (0..self.count()).all(|robot| !docked[robot] || self.arm(state, robot) == Arm::Up)
     }
 

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 
 /// Instant of a collision that a query asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum MeetingInstant {
+enum CollisionInstant {
     /// The first instant at which the bodies are too near.
     First,
     /// Any instant from then on: enough to know whether they meet at all, and much cheaper.
@@ -24,18 +24,18 @@ enum MeetingInstant {
 pub(super) struct Nearness {
     /// Required clearance, in micrometres.
     keep_um: f64,
-    instant: MeetingInstant,
+    instant: CollisionInstant,
 }
 
 impl Nearness {
     /// Asks for the first instant nearer than `keep_um`.
     pub fn first(keep_um: f64) -> Nearness {
-        Nearness { keep_um, instant: MeetingInstant::First }
+        Nearness { keep_um, instant: CollisionInstant::First }
     }
 
     /// Asks whether there is an instant nearer than `keep_um`.
     fn any(keep_um: f64) -> Nearness {
-        Nearness { keep_um, instant: MeetingInstant::Any }
+        Nearness { keep_um, instant: CollisionInstant::Any }
     }
 }
 
@@ -199,7 +199,7 @@ fn meets(track: &RobotTrack, asked: Nearness, distance_um: impl Fn(&OrientedRect
     if !is_near(track.strokes) {
         return None;
     }
-    if instant == MeetingInstant::Any {
+    if instant == CollisionInstant::Any {
         return Some(track.strokes);
     }
     let (mut clear, mut near) = (0.0, if is_near(0.0) { 0.0 } else { track.strokes });

@@ -33,7 +33,7 @@ pub enum Progress {
 
 /// A stage with its step.
 #[derive(Debug, Clone)]
-pub struct StageOf<'a> {
+pub struct StepStage<'a> {
     /// Index into the order's steps.
     pub step: usize,
     pub stage: ControlStage<'a>,
@@ -120,13 +120,13 @@ impl ControlStage<'_> {
 }
 
 /// The stages of a plan in order of time.
-pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> Vec<StageOf<'a>> {
+pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> Vec<StepStage<'a>> {
     let all = episodes(order, motion);
     let pushed_um = carried_out_as_written(order, motion);
     let mut found = Vec::new();
     let mut crew = motion.start.clone();
     for (step, steps) in motion.steps.iter().enumerate() {
-        let mut push = |stage: ControlStage<'a>| found.push(StageOf { step, stage });
+        let mut push = |stage: ControlStage<'a>| found.push(StepStage { step, stage });
         let (legs, docks) = match steps {
             MicrorobotsStepMotion::Wait(duration_ns) => {
                 push(ControlStage::Rest(RestStage::new(*duration_ns)));
@@ -147,8 +147,8 @@ pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) ->
 
 /// Lets the robots of a last stage that is carried out as written run on by `pushed_um`, so that they touch what they
 /// dock with.
-fn push_last(order: &MicrorobotsOrder, stages: &mut [StageOf], pushed_um: f64) {
-    if let Some(StageOf { stage: ControlStage::Written(stage), .. }) = stages.last_mut() {
+fn push_last(order: &MicrorobotsOrder, stages: &mut [StepStage], pushed_um: f64) {
+    if let Some(StepStage { stage: ControlStage::Written(stage), .. }) = stages.last_mut() {
         stage.push(order, pushed_um);
     }
 }
@@ -196,7 +196,7 @@ fn of_other<'a>(
 
 /// Greatest measured distance from their goals at which drives count as done; `None` if nothing is driven in closed
 /// loop.
-pub fn drives_end_within(stages: &[StageOf]) -> Option<Cylinder> {
+pub fn drives_end_within(stages: &[StepStage]) -> Option<Cylinder> {
     let drives = stages.iter().filter_map(|one| match &one.stage {
         ControlStage::Drive(stage) => Some(stage.accepted()),
         ControlStage::Written(_) | ControlStage::Single(_) | ControlStage::Pair(_) | ControlStage::Rest(_) => None,
