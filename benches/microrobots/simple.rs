@@ -4,8 +4,8 @@
 use tweeze::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use tweeze::geometry::Pose;
 use tweeze::plan::microrobots::assembly::{self, AssemblyTerms, CYCLES, MAX_PLANS};
-use tweeze::plan::microrobots::drive::{self, Drive};
-use tweeze::plan::microrobots::world::{BedPoses, World};
+use tweeze::plan::microrobots::drive::{self, DriveRequest};
+use tweeze::plan::microrobots::world::{BedPoses, CollisionWorld};
 use tweeze::plan::microrobots::{Leg, legs_ns};
 use tweeze::plan::search::{Meter, SearchBudget};
 use tweeze::random::SplitMix64;
@@ -33,8 +33,8 @@ pub fn direct(order: &MicrorobotsOrder, start: &[Pose], steps: u64) -> Option<Ve
         }
         MicrorobotsAction::Drive { robot, stops } => {
             let stops: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();
-            let (world, bed) = (World::new(order), BedPoses::new(start.to_vec(), docked));
-            let request = Drive { order, world: &world, bed: &bed, robot: *robot, stops: &stops };
+            let (world, bed) = (CollisionWorld::new(order), BedPoses::new(start.to_vec(), docked));
+            let request = DriveRequest { order, world: &world, bed: &bed, robot: *robot, stops: &stops };
             drive::drive(&request, budget).ok().map(|found| found.legs)
         }
         MicrorobotsAction::Apply { .. } | MicrorobotsAction::Wait(_) => None,
@@ -53,7 +53,7 @@ fn start(order: &MicrorobotsOrder) -> Vec<Pose> {
 
 /// Whether some sequence of first legs leads to a plan.
 pub fn has_plan(order: &MicrorobotsOrder) -> bool {
-    let (world, start) = (World::new(order), start(order));
+    let (world, start) = (CollisionWorld::new(order), start(order));
     let docked = vec![false; start.len()];
     let mut random = SplitMix64::new(99);
     (0..DRAWS).any(|_| {
@@ -65,7 +65,7 @@ pub fn has_plan(order: &MicrorobotsOrder) -> bool {
                 legs.push(Leg { state, strokes: (way_um / order.robot(0).step_um) as u64 + 1 });
             }
         }
-        if world.first_hit(&start, &docked, &legs, &[]).is_some() {
+        if world.first_collision(&start, &docked, &legs, &[]).is_some() {
             return false;
         }
         let mut poses = start.clone();
@@ -74,7 +74,7 @@ pub fn has_plan(order: &MicrorobotsOrder) -> bool {
         let drives = legs.last().is_none_or(|last| last.state != later[0].state);
         let all: Vec<Leg> = legs.into_iter().chain(later).collect();
         let docks = docks(order, &all, &start);
-        drives && world.first_hit(&start, &docked, &all, &docks).is_none()
+        drives && world.first_collision(&start, &docked, &all, &docks).is_none()
     })
 }
 

@@ -82,7 +82,7 @@ fn spares_the_process(is_ctrl_c: bool) -> bool {
     });
     let Some(taken) = taken else { return false };
     if let Spared::Search(search) = &taken {
-        search.take_what_is_held();
+        search.accept_incumbent();
     }
     // Clear the flag before the owner of `BestKept` can go on to write, or the run can end. The handler that sets the
     // flag may not have run yet.

@@ -1,6 +1,6 @@
 //! Progress line for work that lasts longer than a second; on a terminal only.
 
-use crate::plan::watch::{SearchNews, SearchWatch};
+use crate::plan::watch::{SearchProgress, SearchWatch};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -57,7 +57,7 @@ impl Shared {
                 return;
             }
             let State { part, bar, .. } = &mut *state;
-            show(bar.get_or_insert_with(new_bar), part.as_ref(), &self.search.news());
+            show(bar.get_or_insert_with(new_bar), part.as_ref(), &self.search.progress());
             patience = TICK;
         }
     }
@@ -94,21 +94,21 @@ fn new_bar() -> ProgressBar {
     bar
 }
 
-fn show(bar: &ProgressBar, part: Option<&WorkPart>, news: &SearchNews) {
+fn show(bar: &ProgressBar, part: Option<&WorkPart>, progress: &SearchProgress) {
     let Some(part) = part else { return };
     bar.set_length(part.count as u64);
     bar.set_position(part.index as u64);
-    bar.set_message(progress_text(&part.name, news));
+    bar.set_message(progress_text(&part.name, progress));
     bar.tick();
 }
 
 /// `fetch: 12.3 M steps of search, best so far 41 steps, least 39`.
-fn progress_text(name: &str, news: &SearchNews) -> String {
-    let searched = match news.steps {
+fn progress_text(name: &str, progress: &SearchProgress) -> String {
+    let searched = match progress.steps {
         0 => String::new(),
         steps => format!(": {} of search", steps_in_short(steps)),
     };
-    let best = news.best.as_ref().map(|best| format!(", best so far {best}")).unwrap_or_default();
+    let best = progress.best.as_ref().map(|best| format!(", best so far {best}")).unwrap_or_default();
     format!("{name}{searched}{best}")
 }
 
@@ -141,10 +141,10 @@ mod tests {
 
     #[test]
     fn the_line_says_how_far_the_search_came() {
-        let news = |steps, best: Option<&str>| SearchNews { steps, best: best.map(str::to_owned) };
-        assert_eq!(progress_text("fetch", &news(0, None)), "fetch");
-        assert_eq!(progress_text("fetch", &news(61_440, None)), "fetch: 61 k steps of search");
-        let best = news(12_345_678, Some("41 steps, least 39"));
+        let progress = |steps, best: Option<&str>| SearchProgress { steps, best: best.map(str::to_owned) };
+        assert_eq!(progress_text("fetch", &progress(0, None)), "fetch");
+        assert_eq!(progress_text("fetch", &progress(61_440, None)), "fetch: 61 k steps of search");
+        let best = progress(12_345_678, Some("41 steps, least 39"));
         assert_eq!(progress_text("fetch", &best), "fetch: 12.3 M steps of search, best so far 41 steps, least 39");
     }
 }

@@ -389,16 +389,22 @@ fn not_proven(relation: Relation) -> String {
     .to_owned()
 }
 
-/// Conflict between two robots for which no plans were found.
+/// What may keep two robots apart for which no plans were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Apart {
-    /// Their goals make them touch.
+pub enum SeparationRemedy {
+    /// Their goals make them touch: they must end elsewhere.
     OtherEnds,
     OtherTimes,
 }
 
 /// Report of two robots of one scene for which no plans were found that keep them apart.
-pub fn not_apart([device, with]: [&str; 2], run: Span, why: &str, other: Option<Span>, mend: Apart) -> Diagnostic {
+pub fn not_apart(
+    [device, with]: [&str; 2],
+    run: Span,
+    why: &str,
+    other: Option<Span>,
+    mend: SeparationRemedy,
+) -> Diagnostic {
     let title = format!("no plans were found that keep `{device}` and `{with}` apart");
     let diagnostic = Diagnostic::new(Code::E0610, title).label(run, why);
     let diagnostic = match other {
@@ -406,8 +412,8 @@ pub fn not_apart([device, with]: [&str; 2], run: Span, why: &str, other: Option<
         None => diagnostic,
     };
     diagnostic.help(match mend {
-        Apart::OtherEnds => format!("end the run of `{device}` elsewhere, or move `{with}` on first"),
-        Apart::OtherTimes => {
+        SeparationRemedy::OtherEnds => format!("end the run of `{device}` elsewhere, or move `{with}` on first"),
+        SeparationRemedy::OtherTimes => {
             "this does not prove that there are none; it may help to run one after the other instead of `together`, or \
              to route one through other places with `via`"
                 .to_owned()

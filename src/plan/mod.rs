@@ -105,7 +105,7 @@ trait KindPlanner {
 
     /// Returns the plans of a program, changed where devices of this kind would be in one another's way. Called once
     /// per kind; `None` after an error.
-    fn settled<'a>(
+    fn resolve_conflicts<'a>(
         &self,
         _claims: &'a Claims,
         plans: Vec<Plan<Motion<'a>>>,
@@ -155,5 +155,5 @@ pub fn plan<'a>(claims: &'a Claims, sink: &mut Sink, progress: Progress) -> Opti
         plans.push(plan);
     }
     let plans = plans.into_iter().collect::<Option<Vec<_>>>()?;
-    claims.first_of_kinds().try_fold(plans, |plans, job| planner(&job.order).settled(claims, plans, sink))
+    claims.first_of_kinds().try_fold(plans, |plans, job| planner(&job.order).resolve_conflicts(claims, plans, sink))
 }

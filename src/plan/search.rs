@@ -87,14 +87,14 @@ impl Meter {
 
     /// Reports new steps to the watch. If the watch ends the search, returns `false` and leaves no step.
     fn is_wanted(&mut self) -> bool {
-        watch::tell(self.spent - self.reported);
+        watch::report_steps(self.spent - self.reported);
         self.reported = self.spent;
-        let goes_on = watch::goes_on();
-        if !goes_on {
+        let may_continue = watch::may_continue();
+        if !may_continue {
             self.budget = SearchBudget::of(self.spent);
             self.free = self.spent;
         }
-        goes_on
+        may_continue
     }
 
     /// Charges `steps` steps at once; the last of them may overdraw the budget.
@@ -139,7 +139,7 @@ impl Meter {
 
 impl Drop for Meter {
     fn drop(&mut self) {
-        watch::tell(self.spent - self.reported);
+        watch::report_steps(self.spent - self.reported);
     }
 }
 

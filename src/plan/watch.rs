@@ -1,10 +1,10 @@
 //! Observation of a running search: its steps, the cost of its best plan so far, and the request to accept that plan.
 //!
 //! A [`SearchWatch`] is shared between the planning thread and an observer. Searches report to it through their
-//! [`Meter`]s, once per [`BEAT_STEPS`] steps, and hold a [`HeldPlan`] for as long as they would return a plan if they
-//! ended now. Once the observer accepts the best known plan, every meter reports that no step is left, but only while a
-//! plan is held. A search then ends as if its budget were spent, and claims no more about its plan than in that case.
-//! Without a watch, as in tests, nothing is reported and nothing ends early.
+//! [`Meter`]s, once per [`BEAT_STEPS`] steps, and hold an [`IncumbentPlan`] for as long as they would return a plan if
+//! they ended now. Once the observer accepts the best known plan, every meter reports that no step is left, but only
+//! while a plan is held. A search then ends as if its budget were spent, and claims no more about its plan than in that
+//! case. Without a watch, as in tests, nothing is reported and nothing ends early.
 //!
 //! [`Meter`]: super::search::Meter
 
@@ -23,16 +23,16 @@ thread_local! {
 #[derive(Debug, Default)]
 pub struct SearchWatch {
     steps: AtomicU64,
-    is_enough: AtomicBool,
+    is_accepted: AtomicBool,
     /// Whether a search has ended because of that request.
     has_ended: AtomicBool,
     /// Costs, in words, of the plans that searches hold; those of inner searches come last.
-    held: Mutex<Vec<String>>,
+    incumbents: Mutex<Vec<String>>,
 }
 
 /// Progress of a search.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SearchNews {
+pub struct SearchProgress {
     /// Steps since the planning of the current job began.
     pub steps: u64,
     /// Cost of the best plan and the known lower bound, in words.
@@ -55,23 +55,23 @@ impl SearchWatch {
     }
 
     /// Progress of the running search.
-    pub fn news(&self) -> SearchNews {
-        SearchNews { steps: self.steps.load(Ordering::Relaxed), best: self.held().last().cloned() }
+    pub fn progress(&self) -> SearchProgress {
+        SearchProgress { steps: self.steps.load(Ordering::Relaxed), best: self.incumbents().last().cloned() }
     }
 
     /// From now on, the first plan of each search is accepted.
-    pub fn take_what_is_held(&self) {
-        self.is_enough.store(true, Ordering::Relaxed);
+    pub fn accept_incumbent(&self) {
+        self.is_accepted.store(true, Ordering::Relaxed);
     }
 
-    fn held(&self) -> MutexGuard<'_, Vec<String>> {
+    fn incumbents(&self) -> MutexGuard<'_, Vec<String>> {
         // A thread that panicked leaves the list intact.
-        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+        self.incumbents.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-fn watched<T>(tell: impl FnOnce(&SearchWatch) -> T) -> Option<T> {
-    WATCHED_BY.with_borrow(|watch| watch.as_deref().map(tell))
+fn watched<T>(read: impl FnOnce(&SearchWatch) -> T) -> Option<T> {
+    WATCHED_BY.with_borrow(|watch| watch.as_deref().map(read))
 }
 
 /// Resets the progress for the next job.
@@ -79,7 +79,7 @@ pub(super) fn begin_run() {
     watched(|watch| {
         watch.steps.store(0, Ordering::Relaxed);
         watch.has_ended.store(false, Ordering::Relaxed);
-        watch.held().clear();
+        watch.incumbents().clear();
     });
 }
 
@@ -89,14 +89,14 @@ pub(super) fn has_ended_early() -> bool {
 }
 
 /// Reports further steps.
-pub(super) fn tell(steps: u64) {
+pub(super) fn report_steps(steps: u64) {
     watched(|watch| watch.steps.fetch_add(steps, Ordering::Relaxed));
 }
 
-/// Whether the search may go on.
-pub(super) fn goes_on() -> bool {
+/// Whether the search may continue.
+pub(super) fn may_continue() -> bool {
     let is_over = watched(|watch| {
-        let is_over = watch.is_enough.load(Ordering::Relaxed) && !watch.held().is_empty();
+        let is_over = watch.is_accepted.load(Ordering::Relaxed) && !watch.incumbents().is_empty();
         if is_over {
             watch.has_ended.store(true, Ordering::Relaxed);
         }
@@ -107,35 +107,35 @@ pub(super) fn goes_on() -> bool {
 
 /// A plan that a search returns wherever it ends, for as long as this lives.
 #[derive(Debug)]
-pub struct HeldPlan {
+pub struct IncumbentPlan {
     /// Number of enclosing searches that hold a plan.
     depth: usize,
 }
 
-impl HeldPlan {
+impl IncumbentPlan {
     /// Begins to hold a plan; `cost` gives its cost and the known lower bound, in words.
-    pub fn begin(cost: impl FnOnce() -> String) -> HeldPlan {
+    pub fn begin(cost: impl FnOnce() -> String) -> IncumbentPlan {
         let depth = watched(|watch| {
-            let mut held = watch.held();
+            let mut held = watch.incumbents();
             held.push(cost());
             held.len() - 1
         });
-        HeldPlan { depth: depth.unwrap_or(0) }
+        IncumbentPlan { depth: depth.unwrap_or(0) }
     }
 
     /// Updates the held plan: a better one, or a better lower bound.
     pub fn improve(&self, cost: impl FnOnce() -> String) {
         watched(|watch| {
-            if let Some(held) = watch.held().get_mut(self.depth) {
+            if let Some(held) = watch.incumbents().get_mut(self.depth) {
                 *held = cost();
             }
         });
     }
 }
 
-impl Drop for HeldPlan {
+impl Drop for IncumbentPlan {
     fn drop(&mut self) {
-        watched(|watch| watch.held().truncate(self.depth));
+        watched(|watch| watch.incumbents().truncate(self.depth));
     }
 }
 
@@ -152,8 +152,8 @@ mod tests {
         watch.over(|| {
             let mut meter = Meter::new(budget);
             assert_eq!(meter.step(), Some(()));
-            let held = HeldPlan::begin(|| "41 steps".to_owned());
-            watch.take_what_is_held();
+            let held = IncumbentPlan::begin(|| "41 steps".to_owned());
+            watch.accept_incumbent();
             assert_eq!(steps_of(&mut meter), BEAT_STEPS - 1);
             assert!(has_ended_early());
             assert_eq!((meter.left().steps, meter.spent()), (0, BEAT_STEPS));
@@ -161,13 +161,13 @@ mod tests {
             let mut outer = Meter::new(budget);
             assert_eq!(outer.share(BEAT_STEPS, steps_of), 0);
             assert_eq!(outer.left().steps, 0);
-            assert_eq!(watch.news().best.as_deref(), Some("41 steps"));
+            assert_eq!(watch.progress().best.as_deref(), Some("41 steps"));
             drop(held);
             begin_run();
             assert_eq!(steps_of(&mut Meter::new(budget)), 3 * BEAT_STEPS);
             assert!(!has_ended_early());
         });
-        let _held = HeldPlan::begin(|| "unwatched".to_owned());
+        let _held = IncumbentPlan::begin(|| "unwatched".to_owned());
         assert_eq!(steps_of(&mut Meter::new(budget)), 3 * BEAT_STEPS);
     }
 
@@ -175,12 +175,12 @@ mod tests {
     fn plans_are_held_one_within_the_other() {
         let watch = Arc::new(SearchWatch::default());
         watch.over(|| {
-            let outer = HeldPlan::begin(|| "outer".to_owned());
-            let inner = HeldPlan::begin(|| "inner".to_owned());
+            let outer = IncumbentPlan::begin(|| "outer".to_owned());
+            let inner = IncumbentPlan::begin(|| "inner".to_owned());
             outer.improve(|| "better".to_owned());
-            assert_eq!(watch.news().best.as_deref(), Some("inner"));
+            assert_eq!(watch.progress().best.as_deref(), Some("inner"));
             drop(inner);
-            assert_eq!(watch.news().best.as_deref(), Some("better"));
+            assert_eq!(watch.progress().best.as_deref(), Some("better"));
         });
     }
 }

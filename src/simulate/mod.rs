@@ -6,7 +6,7 @@
 use crate::plan::Motion;
 use crate::plan::microrobots::{control, simulation};
 pub use control::ControlPhase;
-pub use simulation::{Disturbances, Dockings, FailureReason, Failures, ShareSpread, SimulationReport, Spread};
+pub use simulation::{Disturbances, DockingStatistics, FailureReason, Failures, ShareSpread, SimulationReport, Spread};
 
 /// Report on `trials` trials of a plan; `None` if the kind or the device has no error bounds, or nothing is assembled.
 pub fn simulate(motion: &Motion, trials: u64, seed: u64, threads: usize) -> Option<SimulationReport> {

@@ -17,7 +17,7 @@ const SPEED_UM_PER_S: f64 = 200.0;
 const BODY_UM: [f64; 2] = [260.0, 60.0];
 
 /// Distance after which moving robots are compared.
-const LOOK_UM: f64 = 4.0;
+const SAMPLE_STEP_UM: f64 = 4.0;
 
 /// A robot without errors that turns clockwise.
 #[derive(Clone)]
@@ -96,9 +96,9 @@ impl ExactBed {
             let state: String = self.robots.iter().map(|robot| if robot.is_down { '1' } else { '0' }).collect();
             assert_eq!(segment["state"], state, "{command}");
             let way_um = segment["strokes"].as_f64().expect("a number") * period_ns * 1e-9 * SPEED_UM_PER_S;
-            let looks = (way_um / LOOK_UM).ceil().max(1.0);
-            for _ in 0..looks as u64 {
-                self.robots.iter_mut().for_each(|robot| robot.run(way_um / looks));
+            let samples = (way_um / SAMPLE_STEP_UM).ceil().max(1.0);
+            for _ in 0..samples as u64 {
+                self.robots.iter_mut().for_each(|robot| robot.run(way_um / samples));
                 let bodies: Vec<_> = self.robots.iter().map(ExactRobot::corners).collect();
                 for (at, body) in bodies.iter().enumerate() {
                     assert!(

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use tweeze::claims::microrobots::MicrorobotsOrder;
 use tweeze::device::microrobots::{Arm, Errors};
 use tweeze::geometry::Pose;
-use tweeze::plan::microrobots::guarantee::borne;
+use tweeze::plan::microrobots::guarantee::tolerated_multiple;
 use tweeze::plan::microrobots::simulation::simulate;
 use tweeze::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
 
@@ -85,7 +85,7 @@ impl Adversary<'_> {
                         }
                     }
                     AssemblyStage::Single { robot, goal, .. } => found.push(Place { robot, goal, leg: leg(robot) }),
-                    AssemblyStage::Departure { .. } | AssemblyStage::Escort { .. } => {}
+                    AssemblyStage::InitialLegs { .. } | AssemblyStage::Escort { .. } => {}
                 }
             }
             before += legs.len();
@@ -288,7 +288,7 @@ fn no_adversary_defeats_a_plan_within_the_errors_that_it_bears() {
         let Some(motion) = bench.planned() else { continue };
         let mut order = bench.order().clone();
         let errors = order.facts.errors.expect("they are stated");
-        let multiple = borne(&order, &motion);
+        let multiple = tolerated_multiple(&order, &motion);
         if multiple == 0.0 {
             continue;
         }
@@ -307,7 +307,7 @@ fn no_adversary_defeats_a_plan_within_the_errors_that_it_bears() {
         assert_eq!(report.successes, 40, "case {seed}: {:?}", report.failures);
         // Half the errors are borne with twice the factor.
         std::sync::Arc::make_mut(&mut order.facts).errors = Some(scaled(errors, multiple / 2.0));
-        let twice = borne(&order, &motion);
+        let twice = tolerated_multiple(&order, &motion);
         assert!((1.999..2.001).contains(&twice), "case {seed}: {twice}");
     }
     println!("{limited} of {all} plans have a limit; the adversary needs {tightest:.2} to {loosest:.2} times as much");

@@ -2,7 +2,7 @@
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
-use crate::plan::microrobots::control::{Command, ControlPhase, InTheWay, Pilot, Segment, Stop, StopReason};
+use crate::plan::microrobots::control::{Command, ControlPhase, InTheWay, Pilot, Stop, StopReason, StrokeSegment};
 use crate::schedule::control::{CommandLine, CommandWord, ControlLine, MeasuredLine, SegmentLine};
 use crate::schedule::microrobots::RecordedPose;
 use std::ffi::OsStr;
@@ -29,7 +29,7 @@ pub struct RemotePilot<'a> {
     order: &'a MicrorobotsOrder,
     child: Child,
     answers: BufReader<TcpStream>,
-    segments: Vec<Segment>,
+    segments: Vec<StrokeSegment>,
     step: usize,
     phase: ControlPhase,
 }
@@ -88,7 +88,7 @@ impl<'a> RemotePilot<'a> {
         self.segments.clear();
         for SegmentLine { state, levels_v, strokes } in segments {
             let known = self.order.states.iter().position(|known| known.digits() == *state)?;
-            self.segments.push(Segment { state: known, strokes: *strokes, sets_arms: !levels_v.is_empty() });
+            self.segments.push(StrokeSegment { state: known, strokes: *strokes, sets_arms: !levels_v.is_empty() });
         }
         Some(())
     }

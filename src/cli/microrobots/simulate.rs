@@ -13,7 +13,9 @@ use crate::diagnostic::Sink;
 use crate::plan::microrobots::simulation::{EndedTrial, SimulatedBed};
 use crate::plan::{self, Motion, Plan};
 use crate::quantity::digits;
-use crate::simulate::{ControlPhase, Dockings, Failures, ShareSpread, SimulationReport, Spread, simulate_disturbed};
+use crate::simulate::{
+    ControlPhase, DockingStatistics, Failures, ShareSpread, SimulationReport, Spread, simulate_disturbed,
+};
 use crate::source::Sources;
 use serde_json::{Value, json};
 use std::io;
@@ -156,7 +158,7 @@ fn step_line(job: &Job, step: usize, sources: &Sources) -> Option<u32> {
 /// The report as a JSON object.
 fn json(task: &str, seed: u64, report: &SimulationReport, line: &dyn Fn(usize) -> Option<u32>) -> Value {
     let name = |robot: usize| report.names[robot].as_str();
-    let docking = |docking: &Dockings| {
+    let docking = |docking: &DockingStatistics| {
         json!({
             "robot": name(docking.robot), "count": docking.count, "across_um": docking.across_um,
             "along_um": docking.along_um, "incidence_rad": docking.incidence_rad, "heading_rad": docking.heading_rad,
@@ -212,7 +214,7 @@ fn summary(task: &str, seed: u64, report: &SimulationReport) -> String {
 fn dockings(report: &SimulationReport) -> String {
     let heading = ["robot", "docked", "across [um]", "along [um]", "incidence [deg]", "heading [deg]"];
     let degrees = 180.0 / std::f64::consts::PI;
-    let row = |docking: &Dockings| {
+    let row = |docking: &DockingStatistics| {
         let figures = [
             spread(docking.across_um, 1.0),
             spread(docking.along_um, 1.0),

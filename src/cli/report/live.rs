@@ -92,7 +92,7 @@ impl<'a> LiveReport<'a> {
     /// Records the search effort of the run that was planned last; the time is shown only on a terminal.
     fn note_searched(&mut self) {
         let Some(begin) = self.planned.take() else { return };
-        let mut text = match self.search.news().steps {
+        let mut text = match self.search.progress().steps {
             0 => "nothing: the plan needs no search".to_owned(),
             steps => count(steps, "step"),
         };

@@ -2,7 +2,7 @@
 
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::control::StopReason;
-use crate::plan::microrobots::control::{Command, Controller, InTheWay, Segment, Stop};
+use crate::plan::microrobots::control::{Command, Controller, InTheWay, Stop, StrokeSegment};
 use crate::quantity::digits;
 use crate::schedule::control::{CommandLine, CommandWord, SegmentLine};
 
@@ -17,7 +17,7 @@ pub fn command_line(order: &MicrorobotsOrder, text_lines: &[u32], controller: &C
         Command::Finished => (CommandWord::Finished, None, None, None),
         Command::Stop(stop) => (CommandWord::Stop, None, None, Some(stop)),
     };
-    let segment = |segment: &Segment| {
+    let segment = |segment: &StrokeSegment| {
         let state = &order.states[segment.state];
         let levels_v = if segment.sets_arms { state.levels_v.clone() } else { Vec::new() };
         SegmentLine { state: state.digits(), levels_v, strokes: segment.strokes }

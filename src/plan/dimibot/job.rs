@@ -123,7 +123,7 @@ impl KindPlanner for DimibotOrder {
         })
     }
 
-    fn settled<'a>(
+    fn resolve_conflicts<'a>(
         &self,
         claims: &'a Claims,
         plans: Vec<Plan<Motion<'a>>>,

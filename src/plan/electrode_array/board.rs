@@ -10,7 +10,7 @@
 use super::channels::broadcast::SharedChannels;
 use crate::claims::electrode_array::ElectrodeArrayObjective;
 use crate::plan::search::SearchAnswer;
-use crate::plan::watch::HeldPlan;
+use crate::plan::watch::IncumbentPlan;
 use fixedbitset::FixedBitSet;
 
 /// A cell: `row * width + column`, both from 0.
@@ -255,13 +255,13 @@ pub struct BoardPlanProgress {
     objective: BoardObjective,
     costs: BoardCosts,
     bounds: BoardCosts,
-    held: HeldPlan,
+    held: IncumbentPlan,
 }
 
 impl BoardPlanProgress {
     /// Begins with a first plan and the lower bounds on every plan.
     pub fn begin(objective: BoardObjective, costs: BoardCosts, bounds: BoardCosts) -> BoardPlanProgress {
-        BoardPlanProgress { objective, costs, bounds, held: HeldPlan::begin(|| summary(objective, costs, bounds)) }
+        BoardPlanProgress { objective, costs, bounds, held: IncumbentPlan::begin(|| summary(objective, costs, bounds)) }
     }
 
     /// Offers another plan, which may be better, and the current bounds.

@@ -1,12 +1,12 @@
 //! Plans one job of microrobots: the best motion by the objective, its figures, and its guarantees.
 
 use super::bound::{self, LeastFigures};
-use super::guarantee::{Assured, borne, guarantees, message};
-use super::steps::{BedRoute, FirstLegs, carried_out};
+use super::guarantee::{StageContainments, estimated_containments, message, tolerated_multiple};
+use super::steps::{BedRoute, InitialLegChoice, plan_steps};
 use super::strategy::{driven, episodes};
 use super::why::BedReasons;
 use super::{Crew, MicrorobotsMotion};
-use super::{refuted, safest};
+use super::{guarantee_trials, reliability};
 use crate::claims::microrobots::{Assurance, MicrorobotsAction, MicrorobotsOrder};
 use crate::claims::{Job, Requirement};
 use crate::device::microrobots::{MicrorobotsObjective, MicrorobotsOutcome, MicrorobotsPlanner};
@@ -70,14 +70,14 @@ fn planned(
     sink: &mut Sink,
 ) -> Option<(Option<Plan<MicrorobotsMotion>>, Crew)> {
     let least = bound::least(order, &start);
-    let fastest = carried_out(order, order, &start, is_first, FirstLegs::Best, sink)?;
+    let fastest = plan_steps(order, order, &start, is_first, InitialLegChoice::Best, sink)?;
     let BedRoute { motion, end } = match order.objective {
         MicrorobotsObjective::Time | MicrorobotsObjective::Switches => fastest,
-        MicrorobotsObjective::Failures => safest::safest(order, &start, is_first, fastest),
+        MicrorobotsObjective::Failures => reliability::most_reliable(order, &start, is_first, fastest),
     };
     let mut tally = BedTally::of(order, &motion, least);
     let are_guaranteed = assure(order, &motion, &mut tally.remarks, sink);
-    tally.failing = safest::expected(job, order, &motion, &mut tally.remarks, sink);
+    tally.failing = reliability::failure_share(job, order, &motion, &mut tally.remarks, sink);
     let plan = tally.plan(order.objective, motion);
     let known =
         &mut |limit: &Requirement| KnownLimit { least: least_of(&limit.outcome, least), ..KnownLimit::default() };
@@ -112,17 +112,17 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
         return true;
     }
     let is_exact = order.facts.is_exact();
-    let borne = if is_exact { 1.0 } else { borne(order, motion) };
-    let refuted = if borne > 0.0 { refuted::by_trial(order, motion, borne) } else { None };
-    let multiple = if refuted.is_some() { 0.0 } else { borne };
-    let is_estimated = multiple < 1.0 && refuted.is_none();
-    let estimates = if is_estimated { guarantees(order, motion).unwrap_or_default() } else { Vec::new() };
+    let tolerated = if is_exact { 1.0 } else { tolerated_multiple(order, motion) };
+    let failing = if tolerated > 0.0 { guarantee_trials::failing_trial(order, motion, tolerated) } else { None };
+    let multiple = if failing.is_some() { 0.0 } else { tolerated };
+    let is_estimated = multiple < 1.0 && failing.is_none();
+    let estimates = if is_estimated { estimated_containments(order, motion).unwrap_or_default() } else { Vec::new() };
     let mut all_hold = true;
     for (nth, episode) in docking.enumerate() {
         let names = driven(episode.stage).into_iter().map(|(robot, _)| order.robot(robot).name.as_str());
         let subject = names.collect::<Vec<_>>().join(" and ");
-        let why = match (order.facts.errors, estimates.get(nth).and_then(Assured::violated)) {
-            (Some(_), None) if is_exact && refuted.is_none() => {
+        let why = match (order.facts.errors, estimates.get(nth).and_then(StageContainments::violated)) {
+            (Some(_), None) if is_exact && failing.is_none() => {
                 let text = "guaranteed: without errors the plan is carried out as it is written".to_owned();
                 remarks.push(Remark { subject, text });
                 continue;
@@ -133,7 +133,7 @@ fn assure(order: &MicrorobotsOrder, motion: &MicrorobotsMotion, remarks: &mut Ve
                 continue;
             }
             (Some(_), Some(violated)) => violated.message(order),
-            (Some(_), None) => match &refuted {
+            (Some(_), None) => match &failing {
                 Some(failed) => failed.clone(),
                 None => "no sound bound is known for errors so large".to_owned(),
             },

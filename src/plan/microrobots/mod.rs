@@ -3,22 +3,22 @@
 
 pub mod assembly;
 pub mod bound;
+pub mod collision_proof;
 pub mod control;
-pub mod departure;
-pub mod doom;
 pub mod drive;
 pub mod fine;
 pub mod free;
-pub mod gathering;
 pub mod guarantee;
+mod guarantee_trials;
+pub mod initial_leg_search;
+pub mod initial_legs;
 mod job;
-mod refuted;
-pub mod safest;
+pub mod paths;
+pub mod reliability;
 pub mod simulation;
 mod steps;
 pub mod strategy;
 pub mod strokes;
-pub mod ways;
 mod why;
 pub mod world;
 
@@ -161,7 +161,7 @@ pub struct RobotDocking {
 #[derive(Debug, Clone, PartialEq)]
 pub enum AssemblyStage {
     /// Before all others: the first `legs` legs of the step move the whole bed, so that the robots stand better.
-    Departure { legs: usize },
+    InitialLegs { legs: usize },
     /// Precedes an [`AssemblyStage::Pair`] and concerns its second robot, `robot`: it is driven to the place where it
     /// will orbit while the first one is driven. The first one, `beside`, meanwhile runs straight; it may turn while
     /// `robot` turns.

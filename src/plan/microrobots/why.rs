@@ -1,10 +1,10 @@
 //! Explains a step of microrobots without a plan: which robot, which orbit, which obstacle.
 
 use super::assembly::{RobotBlocker, StuckAssembly};
-use super::doom::DoomedRobot;
-use super::drive::{self, StuckReason, Thing};
+use super::collision_proof::InevitableCollision;
+use super::drive::{self, DriveBlocker, StuckReason};
 use super::guarantee::message;
-use super::world::{FirstMeeting, ForbiddenMeeting};
+use super::world::{Collision, FirstCollision};
 use crate::claims::microrobots::{MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
 use crate::device::microrobots::MicrorobotsPlanner;
 use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
@@ -32,9 +32,9 @@ pub fn with_errors(order: &MicrorobotsOrder) -> &'static str {
 
 impl BedReasons<'_> {
     /// Report of a raw state whose strokes cause a collision.
-    pub fn applied_into(&self, hit: &FirstMeeting) -> Diagnostic {
+    pub fn applied_into(&self, hit: &FirstCollision) -> Diagnostic {
         let after = Quantity::new(hit.strokes * self.order.facts.period_ns as f64 / 1e9, Dimension::TIME);
-        let title = format!("{} after {}", self.meeting(hit.meeting), rounded(after));
+        let title = format!("{} after {}", self.collision_text(hit.collision), rounded(after));
         let diagnostic =
             Diagnostic::new(Code::E0606, title).label(self.step.span, "this carries all robots that have not docked");
         self.shown(diagnostic, hit).help(match self.is_given {
@@ -55,9 +55,10 @@ impl BedReasons<'_> {
     }
 
     /// Report of an assembly after a step in which robots turned, so that they are on their orbits from its beginning.
-    pub fn still_turning(&self, hit: &FirstMeeting) -> Diagnostic {
-        let diagnostic = Diagnostic::new(Code::E0602, format!("no path was found: {}", self.meeting(hit.meeting)))
-            .label(self.step.span, "it has been turning since the step before");
+    pub fn still_turning(&self, hit: &FirstCollision) -> Diagnostic {
+        let diagnostic =
+            Diagnostic::new(Code::E0602, format!("no path was found: {}", self.collision_text(hit.collision)))
+                .label(self.step.span, "it has been turning since the step before");
         self.shown(diagnostic, hit).help("put `wait 1 ms` before this step: at 0 V all arms go up")
     }
 
@@ -134,7 +135,8 @@ impl BedReasons<'_> {
                     .help("use a larger `precision`, or give the bed a smaller `step_size`")
             }
             StuckReason::Meets(hit) => {
-                let title = format!("{name} has a path, but all robots move with it: {}", self.meeting(hit.meeting));
+                let title =
+                    format!("{name} has a path, but all robots move with it: {}", self.collision_text(hit.collision));
                 let diagnostic =
                     Diagnostic::new(code, title).label(goal, "the last choice of control states tried ends like this");
                 self.shown(diagnostic, &hit)
@@ -144,23 +146,23 @@ impl BedReasons<'_> {
     }
 
     /// Report of a robot that meets an obstacle before the step can end: a proof.
-    pub fn doomed(&self, doomed: &DoomedRobot, strokes: u64) -> Diagnostic {
-        let name = self.name(doomed.robot);
-        let obstacles = doomed.obstacles.iter().map(|index| format!("`{}`", self.order.obstacles[*index].name));
+    pub fn inevitable_collision(&self, collision: &InevitableCollision, strokes: u64) -> Diagnostic {
+        let name = self.name(collision.robot);
+        let obstacles = collision.obstacles.iter().map(|index| format!("`{}`", self.order.obstacles[*index].name));
         let obstacles = obstacles.collect::<Vec<_>>().join(" or ");
-        let needed_um = strokes as f64 * self.order.robot(doomed.robot).step_um;
+        let needed_um = strokes as f64 * self.order.robot(collision.robot).step_um;
         let title = format!(
             "{name} comes nearer than {} to {obstacles} within {} of path, whatever control states are applied; the \
              strokes of this step drive it at least {}",
             length(self.order.facts.clearance_um),
-            length(doomed.way_um),
+            length(collision.way_um),
             length(needed_um)
         );
-        let robot = self.order.robots[doomed.robot].span;
+        let robot = self.order.robots[collision.robot].span;
         let diagnostic = Diagnostic::new(Code::E0601, title)
             .label(self.step.span, "every stroke moves all robots that have not docked")
             .label_elsewhere(robot, self.step.span, "this holds with its arm up, down or alternating");
-        let in_the_way = doomed.obstacles.iter().map(|index| self.order.obstacles[*index].span);
+        let in_the_way = collision.obstacles.iter().map(|index| self.order.obstacles[*index].span);
         let diagnostic = in_the_way
             .fold(diagnostic, |diagnostic, span| diagnostic.label_elsewhere(span, self.step.span, "in the way"));
         diagnostic.help("start it elsewhere or with another heading, or make room in front of it")
@@ -171,18 +173,18 @@ impl BedReasons<'_> {
         if self.docked.contains(&true) { " with the arms of docked robots up" } else { "" }
     }
 
-    fn thing(&self, thing: Thing) -> String {
+    fn thing(&self, thing: DriveBlocker) -> String {
         match thing {
-            Thing::Obstacle(index) => format!("`{}`", self.order.obstacles[index].name),
-            Thing::Robot(robot) => self.name(robot),
-            Thing::Orbit(robot) => format!("the orbit of {}", self.name(robot)),
+            DriveBlocker::Obstacle(index) => format!("`{}`", self.order.obstacles[index].name),
+            DriveBlocker::Robot(robot) => self.name(robot),
+            DriveBlocker::Orbit(robot) => format!("the orbit of {}", self.name(robot)),
         }
     }
 
-    fn near(&self, diagnostic: Diagnostic, thing: Thing, named_at: Span) -> Diagnostic {
+    fn near(&self, diagnostic: Diagnostic, thing: DriveBlocker, named_at: Span) -> Diagnostic {
         let span = match thing {
-            Thing::Obstacle(index) => self.order.obstacles[index].span,
-            Thing::Robot(robot) | Thing::Orbit(robot) => self.order.robots[robot].span,
+            DriveBlocker::Obstacle(index) => self.order.obstacles[index].span,
+            DriveBlocker::Robot(robot) | DriveBlocker::Orbit(robot) => self.order.robots[robot].span,
         };
         diagnostic.label_elsewhere(span, named_at, "in the way")
     }
@@ -212,7 +214,7 @@ impl BedReasons<'_> {
                     .label(span(*first), "no phase of the other's orbit was found from which both arrive together")
                     .help("start them farther from their goals, or with other headings")
             }
-            StuckAssembly::NoWay { robot, blocker } => {
+            StuckAssembly::NoPath { robot, blocker } => {
                 let title = format!("no path was found for {} around {}", self.name(*robot), self.blocker(*blocker));
                 let diagnostic = Diagnostic::new(code, title).label(span(*robot), "the path to this goal");
                 self.in_the_way(diagnostic, *blocker)
@@ -309,39 +311,39 @@ impl BedReasons<'_> {
         code: Code,
         robot: usize,
         partner: Option<usize>,
-        hit: &FirstMeeting,
+        hit: &FirstCollision,
         span: &dyn Fn(usize) -> Span,
     ) -> Diagnostic {
         let driven = match partner {
             Some(partner) => format!("{} and {}", self.name(robot), self.name(partner)),
             None => self.name(robot),
         };
-        let title = format!("no path was found for {driven}: {}", self.meeting(hit.meeting));
+        let title = format!("no path was found for {driven}: {}", self.collision_text(hit.collision));
         let diagnostic =
             Diagnostic::new(code, title).label(span(robot), "the last path tried to this goal ends like this");
         self.shown(diagnostic, hit)
             .help("give the robots more room: other starts, other headings of the goals, or fewer obstacles")
     }
 
-    /// A forbidden meeting as text.
-    pub fn meeting(&self, meeting: ForbiddenMeeting) -> String {
+    /// A collision as text.
+    pub fn collision_text(&self, collision: Collision) -> String {
         let facts = &self.order.facts;
         let (clearance, orbit) = (length(facts.clearance_um), length(facts.orbit_clearance_um));
         let obstacle = |index: usize| format!("`{}`", self.order.obstacles[index].name);
-        match meeting {
-            ForbiddenMeeting::Obstacle { robot, obstacle: index } => {
+        match collision {
+            Collision::Obstacle { robot, obstacle: index } => {
                 format!("{} comes nearer than {clearance} to {}", self.name(robot), obstacle(index))
             }
-            ForbiddenMeeting::Robots { robot, other } => {
+            Collision::Robots { robot, other } => {
                 format!("{} comes nearer than {clearance} to {}", self.name(robot), self.name(other))
             }
-            ForbiddenMeeting::OrbitObstacle { robot, obstacle: index } => {
+            Collision::OrbitObstacle { robot, obstacle: index } => {
                 format!("the orbit of {} comes nearer than {orbit} to {}", self.name(robot), obstacle(index))
             }
-            ForbiddenMeeting::OrbitRobot { robot, other } => {
+            Collision::OrbitRobot { robot, other } => {
                 format!("{} comes nearer than {orbit} to the orbit of {}", self.name(other), self.name(robot))
             }
-            ForbiddenMeeting::Orbits { robot, other } => {
+            Collision::Orbits { robot, other } => {
                 format!(
                     "the orbits of {} and {} come nearer than {orbit} to each other",
                     self.name(robot),
@@ -352,31 +354,32 @@ impl BedReasons<'_> {
     }
 
     /// Labels the thing that is met, and shows where.
-    fn shown(&self, diagnostic: Diagnostic, hit: &FirstMeeting) -> Diagnostic {
-        let (first, other) = match hit.meeting {
-            ForbiddenMeeting::Obstacle { robot, .. } | ForbiddenMeeting::OrbitObstacle { robot, .. } => (robot, None),
-            ForbiddenMeeting::Robots { robot, other }
-            | ForbiddenMeeting::OrbitRobot { robot, other }
-            | ForbiddenMeeting::Orbits { robot, other } => (robot, Some(other)),
+    fn shown(&self, diagnostic: Diagnostic, hit: &FirstCollision) -> Diagnostic {
+        let (first, other) = match hit.collision {
+            Collision::Obstacle { robot, .. } | Collision::OrbitObstacle { robot, .. } => (robot, None),
+            Collision::Robots { robot, other }
+            | Collision::OrbitRobot { robot, other }
+            | Collision::Orbits { robot, other } => (robot, Some(other)),
         };
         let at = |robot: usize, pose: &Pose| Reach {
             what: self.order.robot(robot).name.clone(),
             extent: ReachExtent::Pose([pose.x_um, pose.y_um, pose.heading_rad]),
         };
-        self.labelled(diagnostic, hit.meeting)
+        self.labelled(diagnostic, hit.collision)
             .reached([at(first, &hit.at)])
             .reached(other.map(|other| at(other, &hit.with)))
     }
 
     /// Labels the thing that is met, at its declaration in the program.
-    fn labelled(&self, diagnostic: Diagnostic, meeting: ForbiddenMeeting) -> Diagnostic {
+    fn labelled(&self, diagnostic: Diagnostic, collision: Collision) -> Diagnostic {
         let robot = |index: usize| (self.order.robots[index].span, "it starts here");
         let obstacle = |index: usize| (self.order.obstacles[index].span, "in the way");
-        let (span, label) = match meeting {
-            ForbiddenMeeting::Obstacle { obstacle: index, .. }
-            | ForbiddenMeeting::OrbitObstacle { obstacle: index, .. } => obstacle(index),
-            ForbiddenMeeting::Robots { other, .. } | ForbiddenMeeting::Orbits { other, .. } => robot(other),
-            ForbiddenMeeting::OrbitRobot { robot: orbiting, .. } => robot(orbiting),
+        let (span, label) = match collision {
+            Collision::Obstacle { obstacle: index, .. } | Collision::OrbitObstacle { obstacle: index, .. } => {
+                obstacle(index)
+            }
+            Collision::Robots { other, .. } | Collision::Orbits { other, .. } => robot(other),
+            Collision::OrbitRobot { robot: orbiting, .. } => robot(orbiting),
         };
         diagnostic.label_elsewhere(span, self.step.span, label)
     }

@@ -9,7 +9,7 @@ use crate::check::microrobots::CheckedBed;
 use crate::claims::Claims;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::diagnostic::Remark;
-use crate::plan::microrobots::safest::EXPECTED;
+use crate::plan::microrobots::reliability::EXPECTED;
 
 impl ReportedOrder for MicrorobotsOrder {
     /// Whether each goal of an assembly is guaranteed under the device's error bounds, where robots end, and which robots

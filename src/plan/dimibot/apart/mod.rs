@@ -83,8 +83,10 @@ fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnosti
         }
     };
     let help = match failure.reason {
-        TryReason::EndTogether => errors::Apart::OtherEnds,
-        TryReason::Met | TryReason::Missed | TryReason::NoWay | TryReason::Spent => errors::Apart::OtherTimes,
+        TryReason::EndTogether => errors::SeparationRemedy::OtherEnds,
+        TryReason::Met | TryReason::Missed | TryReason::NoWay | TryReason::Spent => {
+            errors::SeparationRemedy::OtherTimes
+        }
     };
     errors::not_apart([device, with], job.run_span, &why, other, help)
 }

@@ -5,8 +5,8 @@ use super::{RobotBlocker, StuckAssembly, recognition};
 use crate::claims::microrobots::Dock;
 use crate::geometry::Pose;
 use crate::plan::microrobots::free::ArmSegment;
-use crate::plan::microrobots::ways::{DriveTask, NoWay};
-use crate::plan::microrobots::world::{FirstMeeting, Fixtures, Obstruction, World};
+use crate::plan::microrobots::paths::{PathFailure, PathRequest};
+use crate::plan::microrobots::world::{CollisionWorld, FirstCollision, Fixtures, Obstruction};
 use crate::plan::microrobots::{Leg, RobotDocking};
 use crate::plan::search::Meter;
 use std::f64::consts::TAU;
@@ -16,7 +16,7 @@ const MAX_STATES: u64 = 2_000;
 
 /// The bed's world, and the poses at the start of the assembly.
 pub struct AssemblyGround<'a> {
-    pub world: World,
+    pub world: CollisionWorld,
     docks: &'a [Dock],
     start: Vec<Pose>,
     docked: Vec<bool>,
@@ -24,12 +24,17 @@ pub struct AssemblyGround<'a> {
 
 impl<'a> AssemblyGround<'a> {
     pub fn new(bed: &AssemblyState, docks: &'a [Dock]) -> Self {
-        AssemblyGround { world: World::new(bed.order), docks, start: bed.poses.clone(), docked: bed.docked.clone() }
+        AssemblyGround {
+            world: CollisionWorld::new(bed.order),
+            docks,
+            start: bed.poses.clone(),
+            docked: bed.docked.clone(),
+        }
     }
 
     /// Cuts a stretch where its robots dock.
-    pub fn settled(&self, bed: &AssemblyState, stretch: StageAddition) -> Result<StageAddition, StuckAssembly> {
-        recognition::settled(bed, self.docks, stretch)
+    pub fn cut_at_docking(&self, bed: &AssemblyState, stretch: StageAddition) -> Result<StageAddition, StuckAssembly> {
+        recognition::cut_at_docking(bed, self.docks, stretch)
     }
 
     /// Everything at rest while some robots are steered: docked bodies, and the orbit discs of all others, which must
@@ -50,26 +55,26 @@ impl<'a> AssemblyGround<'a> {
     }
 
     /// A path of a robot around everything at rest while some robots are steered.
-    pub fn way(
+    pub fn path(
         &self,
         bed: &AssemblyState,
         steered: &[usize],
-        task: &DriveTask,
+        request: &PathRequest,
         meter: &mut Meter,
     ) -> Result<Vec<ArmSegment>, StuckAssembly> {
-        match meter.share(MAX_STATES, |meter| task.find(meter)) {
-            Ok(found) => Ok(found.way),
-            Err(NoWay::GaveUp(_)) if meter.left().steps == 0 => Err(StuckAssembly::GaveUp),
-            Err(NoWay::Start(by) | NoWay::Goal(by) | NoWay::Blocked(by) | NoWay::GaveUp(by)) => {
-                Err(StuckAssembly::NoWay { robot: task.robot, blocker: blocker(bed, steered, by) })
-            }
+        match meter.share(MAX_STATES, |meter| request.find(meter)) {
+            Ok(found) => Ok(found.segments),
+            Err(PathFailure::GaveUp(_)) if meter.left().steps == 0 => Err(StuckAssembly::GaveUp),
+            Err(
+                PathFailure::Start(by) | PathFailure::Goal(by) | PathFailure::Blocked(by) | PathFailure::GaveUp(by),
+            ) => Err(StuckAssembly::NoPath { robot: request.robot, blocker: blocker(bed, steered, by) }),
         }
     }
 
     /// First collision of one more stretch, followed by one more full orbit of the robots that still wait, since they
     /// will make it. So their discs are kept clear in every stretch, and each stretch can be checked separately. The
     /// leg is counted from the assembly's first.
-    pub fn first_hit(&self, bed: &AssemblyState, stretch: &StageAddition) -> Option<FirstMeeting> {
+    pub fn first_collision(&self, bed: &AssemblyState, stretch: &StageAddition) -> Option<FirstCollision> {
         let mut legs = stretch.legs.clone();
         let leg = legs.len() - 1;
         let docks: Vec<RobotDocking> = stretch.docking.iter().map(|&robot| RobotDocking { robot, leg }).collect();
@@ -80,13 +85,13 @@ impl<'a> AssemblyGround<'a> {
         if let Some(strokes) = circles.max() {
             legs.push(Leg { strokes: strokes.saturating_add(1), ..legs[leg] });
         }
-        let hit = self.world.first_hit(&bed.poses, &bed.docked, &legs, &docks);
-        hit.map(|hit| FirstMeeting { leg: hit.leg + bed.legs.len(), ..hit })
+        let hit = self.world.first_collision(&bed.poses, &bed.docked, &legs, &docks);
+        hit.map(|hit| FirstCollision { leg: hit.leg + bed.legs.len(), ..hit })
     }
 
     /// The first collision of a whole assembly.
-    pub fn any_hit(&self, bed: &AssemblyState) -> Option<FirstMeeting> {
-        self.world.first_hit(&self.start, &self.docked, &bed.legs, &bed.docks)
+    pub fn any_collision(&self, bed: &AssemblyState) -> Option<FirstCollision> {
+        self.world.first_collision(&self.start, &self.docked, &bed.legs, &bed.docks)
     }
 }
 

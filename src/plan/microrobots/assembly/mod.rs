@@ -22,7 +22,7 @@ mod single;
 mod track;
 
 use super::bound::together::{self, RobotArrival};
-use super::world::FirstMeeting;
+use super::world::FirstCollision;
 use super::{AssemblyStage, Leg, RobotDocking, legs_cost};
 use crate::claims::microrobots::{Dock, MicrorobotsOrder};
 use crate::device::microrobots::MicrorobotsObjective;
@@ -108,11 +108,11 @@ pub enum StuckAssembly {
     /// At its goal the robot touches neither a docked body nor a reachable goal of another robot.
     Apart { robot: usize },
     /// All paths tried cause a collision; this is that of the last one.
-    Blocked { robot: usize, partner: Option<usize>, hit: FirstMeeting },
+    Blocked { robot: usize, partner: Option<usize>, hit: FirstCollision },
     /// No two paths tried bring both to their goals at the same time, with whole strokes within precision.
     Untimely { first: usize, second: usize },
     /// No path was found around obstacles, docked bodies and orbit discs; the shortest one is blocked by this.
-    NoWay { robot: usize, blocker: RobotBlocker },
+    NoPath { robot: usize, blocker: RobotBlocker },
     /// The robot must orbit while others are driven, and has no room for it.
     NoOrbit { robot: usize, blocker: RobotBlocker },
     /// Whole strokes cannot bring the robot to its goal within precision.
@@ -211,7 +211,7 @@ impl<'a> AssemblySearch<'a, '_> {
             return;
         }
         if is_over {
-            if let (Some(hit), Some(dock)) = (self.ground.any_hit(bed), bed.docks.last()) {
+            if let (Some(hit), Some(dock)) = (self.ground.any_collision(bed), bed.docks.last()) {
                 return self.note(bed.docks.len(), StuckAssembly::Blocked { robot: dock.robot, partner: None, hit });
             }
             self.best = Some((cost, bed.clone()));

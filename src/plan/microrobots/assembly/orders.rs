@@ -138,7 +138,7 @@ impl<'a> Orders<'a> {
             StuckAssembly::Apart { .. } => 2,
             StuckAssembly::Blocked { .. }
             | StuckAssembly::Untimely { .. }
-            | StuckAssembly::NoWay { .. }
+            | StuckAssembly::NoPath { .. }
             | StuckAssembly::NoOrbit { .. }
             | StuckAssembly::Coarse { .. }
             | StuckAssembly::Loose { .. }

@@ -24,7 +24,7 @@ use crate::device::microrobots::{Arm, MicrorobotsObjective, Robot};
 use crate::geometry::Pose;
 use crate::plan::microrobots::fine::Cycles;
 use crate::plan::microrobots::free::{ArmSegment, joined as joined_segments, length_um};
-use crate::plan::microrobots::ways::DriveTask;
+use crate::plan::microrobots::paths::PathRequest;
 use crate::plan::microrobots::world::Fixtures;
 use crate::plan::microrobots::{AssemblyStage, Leg};
 use crate::plan::search::Meter;
@@ -37,7 +37,7 @@ const RUNS: usize = 40;
 const MAX_ORBITS: usize = 8;
 
 /// Paths of the first robot examined per time.
-const MAX_WAYS: usize = 12;
+const MAX_PATHS: usize = 12;
 
 /// Arm changes of the two robots that are this near to each other are merged, in strokes.
 const ALIGNED_STROKES: u64 = 4;
@@ -112,20 +112,21 @@ fn search(
         true => StuckAssembly::Untimely { first: roles.first, second: roles.second },
         false => StuckAssembly::Coarse { robot: roles.first },
     };
-    let ways = pairing.ways_of_second(site, meter)?;
-    let arrives = |departure: &Departure| pairing.aims[1].allows_turn(pairing.facts[1], turn_um(&departure.way));
-    let mut departures: Vec<Departure> =
+    let ways = pairing.paths_of_second(site, meter)?;
+    let arrives =
+        |second_path: &SecondRobotPath| pairing.aims[1].allows_turn(pairing.facts[1], turn_um(&second_path.way));
+    let mut second_paths: Vec<SecondRobotPath> =
         ways.iter().flat_map(|way| pairing.with_circles(way)).filter(arrives).collect();
-    if departures.is_empty() {
+    if second_paths.is_empty() {
         stuck = StuckAssembly::Coarse { robot: roles.second };
     }
-    departures.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
+    second_paths.sort_by(|a, b| a.total_um.total_cmp(&b.total_um));
     for stages in pairing.stages() {
-        let kept = |departure: &&Departure| *stages == PairStages::Mingled || departure.halt.is_none();
-        for departure in departures.iter().filter(kept) {
-            let legs = choice.worthy(pairing.timed(departure, *stages, site, meter)?);
-            let stretch = pairing.first_free(departure, legs, ground, meter, &mut stuck)?;
-            if choice.is_made(stretch) {
+        let kept = |second_path: &&SecondRobotPath| *stages == PairStages::Overlapping || second_path.halt.is_none();
+        for second_path in second_paths.iter().filter(kept) {
+            let legs = choice.worthy(pairing.timed(second_path, *stages, site, meter)?);
+            let stretch = pairing.first_free(second_path, legs, ground, meter, &mut stuck)?;
+            if choice.offer(stretch) {
                 return Ok(());
             }
         }
@@ -133,9 +134,9 @@ fn search(
     if choice.best.is_some() {
         return Ok(());
     }
-    for (departure, way) in pairing.roundabout(&ways, site, meter)? {
-        let legs = pairing.legs(&departure, vec![way], site, meter)?;
-        if choice.is_made(pairing.first_free(&departure, legs, ground, meter, &mut stuck)?) {
+    for (second_path, way) in pairing.roundabout(&ways, site, meter)? {
+        let legs = pairing.legs(&second_path, vec![way], site, meter)?;
+        if choice.offer(pairing.first_free(&second_path, legs, ground, meter, &mut stuck)?) {
             return Ok(());
         }
     }
@@ -170,8 +171,8 @@ impl StretchChoice {
         all
     }
 
-    /// Takes over a path's stretch if it is better. Returns whether the choice is made.
-    fn is_made(&mut self, stretch: Option<StageAddition>) -> bool {
+    /// Takes over a path's stretch if it is better. Returns whether the choice is made then.
+    fn offer(&mut self, stretch: Option<StageAddition>) -> bool {
         let is_better =
             |stretch: &StageAddition| self.best.as_ref().is_none_or(|best| stretch.legs.len() < best.legs.len());
         if let Some(stretch) = stretch.filter(is_better) {
@@ -186,9 +187,9 @@ impl StretchChoice {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum PairStages {
     /// The first robot completes its last turn before the second leaves the orbit on which it begins.
-    Apart,
+    Sequential,
     /// The first robot may turn whenever the second does.
-    Mingled,
+    Overlapping,
 }
 
 /// Constants of the search for paths.
@@ -220,7 +221,7 @@ pub(super) struct PairSite<'a> {
 
 /// A path of the second robot from its current pose to its approach; it begins with a turn.
 #[derive(Debug, Clone)]
-pub(super) struct Departure {
+pub(super) struct SecondRobotPath {
     pub way: Vec<ArmSegment>,
     pub total_um: f64,
     /// Pose at which it orbits a second time, if it does.
@@ -274,15 +275,15 @@ impl<'a> PairingContext<'a> {
     /// counts.
     fn stages(&self) -> &'static [PairStages] {
         match (self.fine, self.bed.order.facts.errors) {
-            (PlannedFineMotion::OneIn(_), Some(_)) => &[PairStages::Apart, PairStages::Mingled],
-            (PlannedFineMotion::OneIn(_), None) | (PlannedFineMotion::LeftOut, _) => &[PairStages::Mingled],
+            (PlannedFineMotion::OneIn(_), Some(_)) => &[PairStages::Sequential, PairStages::Overlapping],
+            (PlannedFineMotion::OneIn(_), None) | (PlannedFineMotion::LeftOut, _) => &[PairStages::Overlapping],
         }
     }
 
     /// First candidate that the collision rules allow; if none, the last one's collision is recorded in `stuck`.
     fn first_free(
         &self,
-        departure: &Departure,
+        second_path: &SecondRobotPath,
         legs: Vec<Vec<Leg>>,
         ground: &AssemblyGround,
         meter: &mut Meter,
@@ -290,9 +291,9 @@ impl<'a> PairingContext<'a> {
     ) -> Result<Option<StageAddition>, StuckAssembly> {
         for legs in legs {
             meter.step().ok_or(StuckAssembly::GaveUp)?;
-            match ground.settled(self.bed, self.stretch(legs, departure.halt)) {
+            match ground.cut_at_docking(self.bed, self.stretch(legs, second_path.halt)) {
                 Err(apart) => *stuck = apart,
-                Ok(stretch) => match ground.first_hit(self.bed, &stretch) {
+                Ok(stretch) => match ground.first_collision(self.bed, &stretch) {
                     None => return Ok(Some(stretch)),
                     Some(hit) => {
                         *stuck =
@@ -306,15 +307,15 @@ impl<'a> PairingContext<'a> {
 
     /// Paths of the second robot that avoid the bodies at rest: first those along its goal's axis, by length, then a
     /// searched one.
-    fn ways_of_second(&self, site: PairSite, meter: &mut Meter) -> Result<Vec<Vec<ArmSegment>>, StuckAssembly> {
+    fn paths_of_second(&self, site: PairSite, meter: &mut Meter) -> Result<Vec<Vec<ArmSegment>>, StuckAssembly> {
         let PairSite { ground, fixtures } = site;
         let (second, from, to) = (self.facts[1], self.from[1], self.approach[1]);
         let index = self.roles.second;
         let clear = |way: &Vec<ArmSegment>| ground.world.obstruction_on(index, from, way, fixtures).is_none();
         let mut ways: Vec<Vec<ArmSegment>> =
             detours(second, from, to, &[0.0], &stretches(second, RUNS)).into_iter().filter(clear).collect();
-        let task = DriveTask { world: &ground.world, robot: index, from, to, fixtures };
-        match ground.way(self.bed, &[self.roles.first, index], &task, meter) {
+        let request = PathRequest { world: &ground.world, robot: index, from, to, fixtures };
+        match ground.path(self.bed, &[self.roles.first, index], &request, meter) {
             Ok(way) => ways.push(way),
             Err(stuck) if ways.is_empty() || stuck == StuckAssembly::GaveUp => return Err(stuck),
             Err(_) => {}
@@ -324,12 +325,12 @@ impl<'a> PairingContext<'a> {
 
     /// A path of the second robot with full circles at its start and at its last turn, during which the first one can
     /// be driven.
-    fn with_circles(&self, way: &[ArmSegment]) -> Vec<Departure> {
+    fn with_circles(&self, way: &[ArmSegment]) -> Vec<SecondRobotPath> {
         let counts = (0..=MAX_ORBITS).flat_map(|all| (0..=all).map(move |late| [all - late, late]));
-        counts.map(|circles| self.departure(way, circles)).collect()
+        counts.map(|circles| self.second_path(way, circles)).collect()
     }
 
-    pub fn departure(&self, way: &[ArmSegment], [early, late]: [usize; 2]) -> Departure {
+    pub fn second_path(&self, way: &[ArmSegment], [early, late]: [usize; 2]) -> SecondRobotPath {
         let second = self.facts[1];
         let circles =
             |count: usize| [ArmSegment { arm: Arm::Down, way_um: TAU * second.turning_radius_um * count as f64 }];
@@ -340,39 +341,39 @@ impl<'a> PairingContext<'a> {
         let halt = (late > 0).then(|| before.iter().fold(self.from[1], go));
         let before = circles(early).into_iter().chain(before.iter().copied());
         let way = joined_segments(before.chain(circles(late)).chain(after.iter().copied()));
-        Departure { total_um: length_um(&way), way, halt }
+        SecondRobotPath { total_um: length_um(&way), way, halt }
     }
 
     /// Legs that bring both robots to their approaches at the same time, the second one by this path.
     fn timed(
         &self,
-        departure: &Departure,
+        second_path: &SecondRobotPath,
         stages: PairStages,
         site: PairSite,
         meter: &mut Meter,
     ) -> Result<Vec<Vec<Leg>>, StuckAssembly> {
         let first = self.facts[0];
         let later_um = match stages {
-            PairStages::Apart => departure.way.iter().skip(1).map(|segment| segment.way_um).sum(),
-            PairStages::Mingled => {
-                let last = departure.way.last().filter(|segment| segment.arm == Arm::Up);
+            PairStages::Sequential => second_path.way.iter().skip(1).map(|segment| segment.way_um).sum(),
+            PairStages::Overlapping => {
+                let last = second_path.way.last().filter(|segment| segment.arm == Arm::Up);
                 last.map_or(0.0, |segment| segment.way_um)
             }
         };
         let asked = ClosingRequest {
             from: self.first_from(),
             to: self.approach[0],
-            length_um: (self.total(departure) - self.forced_strokes()) as f64 * first.step_um,
+            length_um: (self.total(second_path) - self.forced_strokes()) as f64 * first.step_um,
             least_last_um: later_um / self.facts[1].step_um * first.step_um,
             circles: self.circles,
         };
         let shortest = shortest_of_length(first, &asked, self.bed.order.precision.place_um);
-        self.legs(departure, shortest.into_iter().chain(closings(first, &asked)).collect(), site, meter)
+        self.legs(second_path, shortest.into_iter().chain(closings(first, &asked)).collect(), site, meter)
     }
 
     /// Strokes of the second robot's path, and so of the first one's: at least one more than the forced ones.
-    pub fn total(&self, departure: &Departure) -> u64 {
-        ((departure.total_um / self.facts[1].step_um).round() as u64).max(2)
+    pub fn total(&self, second_path: &SecondRobotPath) -> u64 {
+        ((second_path.total_um / self.facts[1].step_um).round() as u64).max(2)
     }
 
     pub fn forced_strokes(&self) -> u64 {
@@ -388,14 +389,14 @@ impl<'a> PairingContext<'a> {
     /// Legs for the paths of the first robot that fit the second's and avoid the bodies at rest.
     fn legs(
         &self,
-        departure: &Departure,
+        second_path: &SecondRobotPath,
         ways: Vec<Vec<ArmSegment>>,
         site: PairSite,
         meter: &mut Meter,
     ) -> Result<Vec<Vec<Leg>>, StuckAssembly> {
         let ([first, second], index, start) = (self.facts, self.roles.first, self.first_from());
         let forced = self.forced_strokes();
-        let theirs = StrokedPath { segments: &departure.way, before: 0.0, step_um: second.step_um };
+        let theirs = StrokedPath { segments: &second_path.way, before: 0.0, step_um: second.step_um };
         let fits = |way: &Vec<ArmSegment>| {
             turns_within(&StrokedPath { segments: way, before: forced as f64, step_um: first.step_um }, &theirs)
         };
@@ -403,7 +404,7 @@ impl<'a> PairingContext<'a> {
             |way: &Vec<ArmSegment>| site.ground.world.obstruction_on(index, start, way, site.fixtures).is_none();
         let mut kept: Vec<Vec<ArmSegment>> = Vec::new();
         for way in ways.into_iter().filter(fits) {
-            if kept.len() == MAX_WAYS {
+            if kept.len() == MAX_PATHS {
                 break;
             }
             meter.step().ok_or(StuckAssembly::GaveUp)?;
@@ -411,8 +412,8 @@ impl<'a> PairingContext<'a> {
                 kept.push(way);
             }
         }
-        let total = self.total(departure);
-        let whole_second = || whole(second, self.from[1], &departure.way, &self.aims[1], total);
+        let total = self.total(second_path);
+        let whole_second = || whole(second, self.from[1], &second_path.way, &self.aims[1], total);
         let Some(seconds) = (!kept.is_empty()).then(whole_second).flatten() else { return Ok(Vec::new()) };
         let legs = |way: &Vec<ArmSegment>| {
             let mut track = ArmTrack::default();

@@ -26,7 +26,7 @@ const ROUNDING_SHARE: f64 = 0.01;
 ///
 /// # Errors
 /// If they do not dock, or not all at the same time, or if another robot docks.
-pub fn settled(
+pub fn cut_at_docking(
     bed: &AssemblyState,
     docks: &[Dock],
     mut stretch: StageAddition,

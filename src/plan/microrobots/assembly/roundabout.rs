@@ -5,16 +5,16 @@
 //! on the path as half a circle, a straight segment, half a circle and the same segment back.
 
 use super::StuckAssembly;
-use super::pair::{Departure, PairSite, PairingContext};
+use super::pair::{PairSite, PairingContext, SecondRobotPath};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::free::{ArmSegment, joined, length_um};
-use crate::plan::microrobots::ways::DriveTask;
+use crate::plan::microrobots::paths::PathRequest;
 use crate::plan::search::Meter;
 use std::f64::consts::{PI, TAU};
 
 /// Paths of the second robot that are tried.
-const MAX_WAYS: usize = 3;
+const MAX_PATHS: usize = 3;
 
 /// How early the first robot reaches its goal's axis, in turning radii.
 const LEADS: [f64; 3] = [0.0, 1.0, 2.5];
@@ -39,16 +39,16 @@ impl PairingContext<'_> {
         ways: &[Vec<ArmSegment>],
         site: PairSite,
         meter: &mut Meter,
-    ) -> Result<Vec<(Departure, Vec<ArmSegment>)>, StuckAssembly> {
+    ) -> Result<Vec<(SecondRobotPath, Vec<ArmSegment>)>, StuckAssembly> {
         let mut found = Vec::new();
-        for way in ways.iter().take(MAX_WAYS) {
+        for way in ways.iter().take(MAX_PATHS) {
             for orbit in [OrbitChoice::Early, OrbitChoice::Late] {
                 for lead in LEADS {
                     found.extend(self.around(way, orbit, lead, site, meter)?);
                 }
             }
         }
-        found.sort_by(|a: &(Departure, _), b| a.0.total_um.total_cmp(&b.0.total_um));
+        found.sort_by(|a: &(SecondRobotPath, _), b| a.0.total_um.total_cmp(&b.0.total_um));
         Ok(found)
     }
 
@@ -60,7 +60,7 @@ impl PairingContext<'_> {
         lead: f64,
         site: PairSite,
         meter: &mut Meter,
-    ) -> Result<Vec<(Departure, Vec<ArmSegment>)>, StuckAssembly> {
+    ) -> Result<Vec<(SecondRobotPath, Vec<ArmSegment>)>, StuckAssembly> {
         let first = self.facts[0];
         let [before_um, after_um] = self.outside(way, orbit);
         let lead_um = lead * first.turning_radius_um;
@@ -68,29 +68,30 @@ impl PairingContext<'_> {
         let from: Pose = first.moved(self.first_from(), Arm::Up, before_um);
         let to: Pose = first.moved(self.approach[0], Arm::Up, -after_um - lead_um);
         let (world, fixtures) = (&site.ground.world, site.fixtures);
-        let task = DriveTask { world, robot: self.roles.first, from, to, fixtures };
-        let middle = match site.ground.way(self.bed, &[self.roles.first, self.roles.second], &task, meter) {
+        let request = PathRequest { world, robot: self.roles.first, from, to, fixtures };
+        let middle = match site.ground.path(self.bed, &[self.roles.first, self.roles.second], &request, meter) {
             Ok(way) => way,
             Err(StuckAssembly::GaveUp) => return Err(StuckAssembly::GaveUp),
             Err(_) => return Ok(Vec::new()),
         };
         let needed_um = length_um(&middle) + before_um + after_um + lead_um + TAU * first.turning_radius_um;
-        let departures = (0..=MAX_CIRCLES).map(|circles| match orbit {
-            OrbitChoice::Early => self.departure(way, [circles, 0]),
-            OrbitChoice::Late => self.departure(way, [0, circles]),
+        let second_paths = (0..=MAX_CIRCLES).map(|circles| match orbit {
+            OrbitChoice::Early => self.second_path(way, [circles, 0]),
+            OrbitChoice::Late => self.second_path(way, [0, circles]),
         });
-        let spare_um =
-            |departure: &Departure| (self.total(departure) - self.forced_strokes()) as f64 * first.step_um - needed_um;
-        let long = departures.filter(|departure| spare_um(departure) >= 0.0).take(MORE_CIRCLES);
+        let spare_um = |second_path: &SecondRobotPath| {
+            (self.total(second_path) - self.forced_strokes()) as f64 * first.step_um - needed_um
+        };
+        let long = second_paths.filter(|second_path| spare_um(second_path) >= 0.0).take(MORE_CIRCLES);
         let mut found = Vec::new();
-        for departure in long {
-            let side_um = spare_um(&departure) / 2.0;
+        for second_path in long {
+            let side_um = spare_um(&second_path) / 2.0;
             for at in 0..=middle.len() {
                 let (head, tail) = middle.split_at(at);
                 let racetrack = racetrack(first.turning_radius_um, side_um);
                 let whole = [run(before_um)].into_iter().chain(head.iter().copied()).chain(racetrack);
                 let whole = joined(whole.chain(tail.iter().copied()).chain([run(lead_um + after_um)]));
-                found.push((departure.clone(), whole));
+                found.push((second_path.clone(), whole));
             }
         }
         Ok(found)

@@ -11,7 +11,7 @@ use crate::geometry::Pose;
 use crate::plan::microrobots::AssemblyStage;
 use crate::plan::microrobots::fine::Cycles;
 use crate::plan::microrobots::free::{ArmSegment, distance_um, length_um};
-use crate::plan::microrobots::ways::DriveTask;
+use crate::plan::microrobots::paths::PathRequest;
 use crate::plan::microrobots::world::Fixtures;
 use crate::plan::search::Meter;
 use std::f64::consts::TAU;
@@ -36,7 +36,7 @@ pub fn plan(
     let fixtures = ground.fixtures(bed, &[dock.robot])?;
     let mut stuck = None;
     for fine in fine {
-        match Visit::new(bed, dock, states, *fine).stretch(ground, &fixtures, meter) {
+        match SingleDocking::new(bed, dock, states, *fine).stretch(ground, &fixtures, meter) {
             Ok(stretch) => return Ok(stretch),
             Err(StuckAssembly::GaveUp) => return Err(StuckAssembly::GaveUp),
             Err(other) => stuck = stuck.or(Some(other)),
@@ -46,7 +46,7 @@ pub fn plan(
 }
 
 /// Docking of one robot with the structure.
-struct Visit<'a> {
+struct SingleDocking<'a> {
     bed: &'a AssemblyState<'a>,
     index: usize,
     states: [usize; 2],
@@ -60,7 +60,7 @@ struct Visit<'a> {
     before: ArmTrack,
 }
 
-impl<'a> Visit<'a> {
+impl<'a> SingleDocking<'a> {
     fn new(bed: &'a AssemblyState<'a>, dock: &Dock, states: [usize; 2], fine: PlannedFineMotion) -> Self {
         let (index, goal) = (dock.robot, dock.goal.pose);
         let robot = bed.robot(index);
@@ -85,7 +85,7 @@ impl<'a> Visit<'a> {
         let mut before = ArmTrack::default();
         let others = [Arm::Up, Arm::Down].into_iter().zip(states);
         others.filter(|(_, state)| bed.last_state() == Some(*state)).for_each(|(other, _)| before.push(other, 1));
-        Visit { bed, index, states, goal, approach, gross_end, aim, cycles, before }
+        SingleDocking { bed, index, states, goal, approach, gross_end, aim, cycles, before }
     }
 
     fn stretch(
@@ -96,17 +96,17 @@ impl<'a> Visit<'a> {
     ) -> Result<StageAddition, StuckAssembly> {
         let robot = self.bed.robot(self.index);
         let from = self.before.end(robot, self.bed.poses[self.index]);
-        let task = DriveTask { world: &ground.world, robot: self.index, from, to: self.approach, fixtures };
+        let request = PathRequest { world: &ground.world, robot: self.index, from, to: self.approach, fixtures };
         let most_um = distance_um(robot, from, self.approach) + TAU * robot.turning_radius_um;
         let clear = |way: &Vec<ArmSegment>| ground.world.obstruction_on(self.index, from, way, fixtures).is_none();
         let detours = detours(robot, from, self.approach, &stretches(robot, FIRST_RUNS), &stretches(robot, LAST_RUNS));
         let (near, far): (Vec<_>, Vec<_>) = detours.into_iter().partition(|way| length_um(way) <= most_um);
-        let near = task.direct().map(|found| found.way).into_iter().chain(near.into_iter().filter(clear));
+        let near = request.direct().map(|found| found.segments).into_iter().chain(near.into_iter().filter(clear));
         let mut stuck = None;
         if let Some(stretch) = self.first_free(near, ground, meter, &mut stuck)? {
             return Ok(stretch);
         }
-        let found = ground.way(self.bed, &[self.index], &task, meter);
+        let found = ground.path(self.bed, &[self.index], &request, meter);
         if found == Err(StuckAssembly::GaveUp) {
             return Err(StuckAssembly::GaveUp);
         }
@@ -145,11 +145,11 @@ impl<'a> Visit<'a> {
         let mut track = self.before.clone();
         track.extend(&driven);
         let legs = legs_of_one(&track, self.states).into_iter().chain(self.cycles.legs(self.states));
-        let Visit { index: robot, states, gross_end: approach, goal, .. } = *self;
+        let SingleDocking { index: robot, states, gross_end: approach, goal, .. } = *self;
         let stage = AssemblyStage::Single { robot, states, approach, goal };
         let stretch = StageAddition { legs: joined(legs), docking: vec![robot], stages: vec![stage] };
-        let stretch = ground.settled(self.bed, stretch)?;
-        match ground.first_hit(self.bed, &stretch) {
+        let stretch = ground.cut_at_docking(self.bed, stretch)?;
+        match ground.first_collision(self.bed, &stretch) {
             None => Ok(stretch),
             Some(hit) => Err(StuckAssembly::Blocked { robot, partner: None, hit }),
         }

@@ -7,7 +7,7 @@ use crate::claims::microrobots::{MicrorobotsObstacle, MicrorobotsStop, Precision
 use crate::device::microrobots::fixture::{self, pose};
 use crate::device::microrobots::{Arm, ControlState, Docking as Limits, MicrorobotsFacts, Robot, Turning, wrapped_rad};
 use crate::geometry::Shape;
-use crate::plan::microrobots::world::World;
+use crate::plan::microrobots::world::CollisionWorld;
 use crate::plan::search::SearchBudget;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -103,7 +103,7 @@ fn simulated(
     docks: &[Dock],
 ) -> (Vec<Pose>, Vec<RobotDocking>) {
     let (mut poses, mut docked, mut found) = (starts.to_vec(), docked.to_vec(), Vec::new());
-    let world = World::new(order);
+    let world = CollisionWorld::new(order);
     for (index, leg) in legs.iter().enumerate() {
         for robot in (0..poses.len()).filter(|robot| !docked[*robot]).collect::<Vec<_>>() {
             let facts = order.robot(robot);
@@ -130,7 +130,7 @@ fn simulated(
     (poses, found)
 }
 
-fn bodies_gap_um(world: &World, one: (usize, Pose), other: (usize, Pose)) -> f64 {
+fn bodies_gap_um(world: &CollisionWorld, one: (usize, Pose), other: (usize, Pose)) -> f64 {
     let corners = |(robot, pose): (usize, Pose)| {
         let [a, b] = world.body(robot).half_um;
         let shape = Shape::Box { size_um: [2.0 * a, 2.0 * b] };
@@ -168,7 +168,7 @@ fn check(order: &MicrorobotsOrder, starts: &[Pose], docked: &[bool], docks: &[Do
         let before = found.docks.iter().filter(|dock| dock.leg < index).map(|dock| dock.robot);
         assert!(before.chain((0..docked.len()).filter(|robot| docked[*robot])).all(up), "leg {index}");
     }
-    assert_eq!(World::new(order).first_hit(starts, docked, &found.legs, &found.docks), None);
+    assert_eq!(CollisionWorld::new(order).first_collision(starts, docked, &found.legs, &found.docks), None);
     assert!(found.legs.windows(2).all(|pair| pair[0].state != pair[1].state));
     assert!(found.legs.iter().all(|leg| leg.strokes >= 1));
 }
@@ -403,7 +403,9 @@ fn a_walled_goal_is_told() {
     };
     let order = order(&in_a_row(2), string_states(2), (0..4).map(wall).collect());
     let found = assembled(&order, &structure(2, pose(1000.0, 2000.0, 0.0)));
-    let Err(StuckAssembly::NoWay { robot: 0, blocker: RobotBlocker::Obstacle(_) }) = found else { panic!("{found:?}") };
+    let Err(StuckAssembly::NoPath { robot: 0, blocker: RobotBlocker::Obstacle(_) }) = found else {
+        panic!("{found:?}")
+    };
 }
 
 #[test]

@@ -4,18 +4,18 @@
 //! or into another robot, as far as their poses are known. Every stroke moves all robots that have not docked, so those
 //! that stand by are checked like the driven ones. Robots that are to meet may touch. Nothing is allocated.
 
-use super::Segment;
+use super::StrokeSegment;
 use super::belief::Belief;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::plan::microrobots::strategy::{StrategySolid, body};
 
 /// Samples of a robot's path per width of its body.
-const LOOKS_PER_WIDTH: f64 = 8.0;
+const SAMPLES_PER_WIDTH: f64 = 8.0;
 
 /// Most samples of a segment, so that an answer is not late: circles with a very large turning radius are sampled more
 /// coarsely.
-const MOST_LOOKS: f64 = 4096.0;
+const MAX_SAMPLES: f64 = 4096.0;
 
 /// Thing that a robot would run into, as an index into the order's obstacles or robots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,13 +52,13 @@ pub struct CollisionAhead {
 impl Belief<'_> {
     /// First collision that segments lead to from the measured poses. Robots in `may_touch` are driven against each
     /// other or against docked ones on purpose.
-    pub fn collision_ahead(&self, segments: &[Segment], may_touch: [Option<usize>; 2]) -> Option<CollisionAhead> {
+    pub fn collision_ahead(&self, segments: &[StrokeSegment], may_touch: [Option<usize>; 2]) -> Option<CollisionAhead> {
         self.approach_ahead(0.0, segments, may_touch)
     }
 
     /// Whether the segments of a robot's drive lead to no collision, and bring nothing nearer than `room_um` to another
     /// thing.
-    pub fn has_room(&self, room_um: f64, segments: &[Segment]) -> bool {
+    pub fn has_room(&self, room_um: f64, segments: &[StrokeSegment]) -> bool {
         // Things that are nearer already do not enter `room_um`, so collisions are checked as well.
         [0.0, room_um].into_iter().all(|room_um| self.approach_ahead(room_um, segments, [None; 2]).is_none())
     }
@@ -66,7 +66,7 @@ impl Belief<'_> {
     fn approach_ahead(
         &self,
         room_um: f64,
-        segments: &[Segment],
+        segments: &[StrokeSegment],
         may_touch: [Option<usize>; 2],
     ) -> Option<CollisionAhead> {
         let moving = || (0..self.poses.len()).filter(|robot| !self.docked[*robot]);
@@ -90,7 +90,7 @@ impl Belief<'_> {
     }
 
     /// First obstacle that segments bring a robot into.
-    fn obstacle_ahead(&self, robot: usize, room_um: f64, segments: &[Segment]) -> Option<usize> {
+    fn obstacle_ahead(&self, robot: usize, room_um: f64, segments: &[StrokeSegment]) -> Option<usize> {
         if self.obstacles.is_empty() {
             return None;
         }
@@ -113,7 +113,7 @@ impl Belief<'_> {
             from = self.gone(robot, begin, segment, 1.0);
             // Where the body turns, its corners go farther than its middle.
             let most_um = way_um * (1.0 + self.reach_um(robot) / facts.turning_radius_um);
-            LooksAhead::new(way_um / facts.width_um, most_um).find_map(|part| {
+            PathSamples::new(way_um / facts.width_um, most_um).find_map(|part| {
                 let pose = self.gone(robot, begin, segment, part);
                 let whole = body(facts, pose, 0.0);
                 let clear_um = self
@@ -128,7 +128,7 @@ impl Belief<'_> {
     }
 
     /// Whether segments bring two robots into each other.
-    fn is_led_into(&self, pair: [usize; 2], room_um: f64, segments: &[Segment]) -> bool {
+    fn is_led_into(&self, pair: [usize; 2], room_um: f64, segments: &[StrokeSegment]) -> bool {
         let facts = pair.map(|robot| self.order.robot(robot));
         let start = pair.map(|robot| self.poses[robot]);
         let ways_um = segments.iter().map(|segment| self.way_um(pair[0], segment) + self.way_um(pair[1], segment));
@@ -146,7 +146,7 @@ impl Belief<'_> {
             from = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, 1.0));
             let way_um = self.way_um(pair[0], segment) + self.way_um(pair[1], segment);
             let widths = way_um / facts[0].width_um.min(facts[1].width_um);
-            let met = LooksAhead::new(widths, way_um).find_map(|part| {
+            let met = PathSamples::new(widths, way_um).find_map(|part| {
                 let at = [0, 1].map(|nth| self.gone(pair[nth], begin[nth], segment, part));
                 let clear_um = self.least_apart_um(pair, at) - room_um;
                 if clear_um <= 0.0 && is_entered(at) { Ok(()) } else { Err(clear_um) }
@@ -156,40 +156,40 @@ impl Belief<'_> {
     }
 
     /// Path length of a robot over a segment.
-    fn way_um(&self, robot: usize, segment: &Segment) -> f64 {
+    fn way_um(&self, robot: usize, segment: &StrokeSegment) -> f64 {
         if self.docked[robot] { 0.0 } else { self.order.robot(robot).step_um * segment.strokes as f64 }
     }
 
     /// Pose of a robot after a part of a segment.
-    fn gone(&self, robot: usize, from: Pose, segment: &Segment, part: f64) -> Pose {
+    fn gone(&self, robot: usize, from: Pose, segment: &StrokeSegment, part: f64) -> Pose {
         let arm = self.order.states[segment.state].arms[self.order.robots[robot].row];
         self.order.robot(robot).moved(from, arm, self.way_um(robot, segment) * part)
     }
 }
 
 /// Evenly spaced samples of a path, without those at which the bodies certainly do not touch.
-struct LooksAhead {
+struct PathSamples {
     count: f64,
     /// Most by which bodies can come nearer from one sample to the next.
     most_um: f64,
 }
 
-impl LooksAhead {
+impl PathSamples {
     /// Samples for a path of `widths` body widths, on which bodies come nearer to each other by at most `most_um`.
     fn new(widths: f64, most_um: f64) -> Self {
-        let count = (widths * LOOKS_PER_WIDTH).ceil().clamp(1.0, MOST_LOOKS);
-        LooksAhead { count, most_um: most_um / count }
+        let count = (widths * SAMPLES_PER_WIDTH).ceil().clamp(1.0, MAX_SAMPLES);
+        PathSamples { count, most_um: most_um / count }
     }
 
     /// First result of `find`, which is called with shares of the path. Its error is a lower bound on the distance of
     /// the bodies there, by which samples are skipped.
     fn find_map<T>(&self, find: impl Fn(f64) -> Result<T, f64>) -> Option<T> {
-        let mut look = 1.0;
-        while look <= self.count {
-            match find(look / self.count) {
+        let mut sample = 1.0;
+        while sample <= self.count {
+            match find(sample / self.count) {
                 Ok(found) => return Some(found),
-                Err(clear_um) if clear_um > 0.0 => look += (clear_um / self.most_um).floor().max(1.0),
-                Err(_) => look += 1.0,
+                Err(clear_um) if clear_um > 0.0 => sample += (clear_um / self.most_um).floor().max(1.0),
+                Err(_) => sample += 1.0,
             }
         }
         None

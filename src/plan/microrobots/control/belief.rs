@@ -8,7 +8,7 @@ use super::follow::{CommandedCourse, Following, GATE, SLACK_RAD, SLACK_UM};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors, wrapped_rad};
 use crate::geometry::Pose;
-use crate::plan::microrobots::control::Segment;
+use crate::plan::microrobots::control::StrokeSegment;
 use crate::plan::microrobots::strategy::{StrategySolid, body, obstacles};
 use crate::plan::microrobots::world::OrientedRectangle;
 use crate::real::Real;
@@ -104,7 +104,12 @@ impl<'a> Belief<'a> {
 
     /// Accepts a measurement that was made after some segments; nothing is accepted unless all of it can be used.
     /// Robots in `may_touch` were driven against others by the segments, and may have been stopped on their way.
-    pub fn see(&mut self, measured: &[Option<Pose>], driven: &[Segment], may_touch: [Option<usize>; 2]) -> Sighting {
+    pub fn see(
+        &mut self,
+        measured: &[Option<Pose>],
+        driven: &[StrokeSegment],
+        may_touch: [Option<usize>; 2],
+    ) -> Sighting {
         self.count(driven);
         if let Some(robot) = (0..self.poses.len()).find(|robot| at(measured, *robot).is_none()) {
             return Sighting::Unseen(robot);
@@ -246,7 +251,7 @@ impl<'a> Belief<'a> {
     }
 
     /// Adds driven segments to the paths since the last accepted measurement.
-    fn count(&mut self, driven: &[Segment]) {
+    fn count(&mut self, driven: &[StrokeSegment]) {
         for (robot, since) in self.since.iter_mut().enumerate() {
             let (step_um, row) = (self.order.robot(robot).step_um, self.order.robots[robot].row);
             for segment in driven {
@@ -290,7 +295,7 @@ impl<'a> Belief<'a> {
     }
 
     /// Begins the structure with these robots, at these planned poses.
-    pub fn found(&mut self, base: [(usize, Pose); 2]) {
+    pub fn begin_structure(&mut self, base: [(usize, Pose); 2]) {
         self.base.clear();
         self.base.extend_from_slice(&base);
         self.place_structure();

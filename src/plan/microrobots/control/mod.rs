@@ -3,7 +3,7 @@
 //! Input: an order, its motion and, at each measurement, the measured poses of all robots. Output: a [`Command`], which
 //! states what to drive until the next measurement. It runs the strategy of
 //! [`strategy`](crate::plan::microrobots::strategy) as a state machine with one state for each stage of the plan:
-//! departure and other legs as written, drives, pairs and single robots, each in gross motion, fine motion, contact and
+//! initial and other legs as written, drives, pairs and single robots, each in gross motion, fine motion, contact and
 //! its judgement. It knows measurements only: a robot counts as docked once it was pushed against its structure and is
 //! measured in its place.
 //!
@@ -30,14 +30,14 @@ use crate::geometry::Pose;
 use crate::plan::microrobots::MicrorobotsMotion;
 pub use belief::MAX_ASTRAY;
 use belief::{Belief, Sighting};
-use stages::{Progress, StageOf};
+use stages::{Progress, StepStage};
 
 /// Most consecutive measurements that may be unusable.
 pub const MAX_UNUSABLE: u32 = 5;
 
 /// Strokes in a control state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Segment {
+pub struct StrokeSegment {
     /// Index into the order's states.
     pub state: usize,
     /// At least 1.
@@ -51,7 +51,7 @@ pub struct Segment {
 pub enum Command<'c> {
     /// These segments one after the other, then the relax level, which moves nothing and keeps the arms, until the next
     /// command. The next measurement is due at `until_ns`.
-    Drive { segments: &'c [Segment], until_ns: u64 },
+    Drive { segments: &'c [StrokeSegment], until_ns: u64 },
     /// 0 V: all arms up, nothing moves.
     Rest { until_ns: u64 },
     /// The last command is not over yet; nothing changes.
@@ -79,10 +79,10 @@ pub struct Stop {
 #[derive(Debug, Clone)]
 pub struct Controller<'a> {
     belief: Belief<'a>,
-    stages: Vec<StageOf<'a>>,
+    stages: Vec<StepStage<'a>>,
     /// Index of the current stage.
     at: usize,
-    drive: Drive,
+    command: CommandSegments,
     /// Instant at which the last command ends.
     until_ns: u64,
     last_ns: Option<u64>,
@@ -130,13 +130,13 @@ impl Pilot for Controller<'_> {
 
 /// Segments of a command under construction.
 #[derive(Debug, Clone)]
-pub struct Drive {
-    segments: Vec<Segment>,
+pub struct CommandSegments {
+    segments: Vec<StrokeSegment>,
     /// Control state that the arms are in; `None` while they are up without voltage, or unknown.
     held: Option<usize>,
 }
 
-impl Drive {
+impl CommandSegments {
     /// Adds this many strokes in a state.
     pub fn add(&mut self, state: usize, strokes: u64) {
         if strokes == 0 {
@@ -145,7 +145,7 @@ impl Drive {
         match self.segments.last_mut() {
             Some(last) if last.state == state => last.strokes += strokes,
             Some(_) | None => {
-                self.segments.push(Segment { state, strokes, sets_arms: self.held != Some(state) });
+                self.segments.push(StrokeSegment { state, strokes, sets_arms: self.held != Some(state) });
                 self.held = Some(state);
             }
         }
@@ -159,12 +159,12 @@ impl<'a> Controller<'a> {
         let belief = Belief::new(order, errors, &motion.start.poses, &motion.start.docked);
         let stages = stages::stages(order, motion);
         let capacity = stages.iter().map(|stage| stage.stage.most_segments(order)).max().unwrap_or(0);
-        let drive = Drive { segments: Vec::with_capacity(capacity), held: None };
+        let command = CommandSegments { segments: Vec::with_capacity(capacity), held: None };
         Some(Controller {
             belief,
             stages,
             at: 0,
-            drive,
+            command,
             until_ns: 0,
             last_ns: None,
             unusable: 0,
@@ -194,7 +194,7 @@ impl<'a> Controller<'a> {
     pub fn last(&self) -> Command<'_> {
         let until_ns = self.until_ns;
         match self.last {
-            LastCommand::Drive => Command::Drive { segments: &self.drive.segments, until_ns },
+            LastCommand::Drive => Command::Drive { segments: &self.command.segments, until_ns },
             LastCommand::Rest => Command::Rest { until_ns },
             LastCommand::Continue => Command::Continue { until_ns },
             LastCommand::Finished => Command::Finished,
@@ -220,8 +220,8 @@ impl<'a> Controller<'a> {
             }
         }
         self.last_ns = Some(now_ns);
-        let sighting = self.belief.see(measured, &self.drive.segments, self.may_touch);
-        self.drive.segments.clear();
+        let sighting = self.belief.see(measured, &self.command.segments, self.may_touch);
+        self.command.segments.clear();
         let (reason, robot) = match sighting {
             Sighting::Usable => {
                 self.unusable = 0;
@@ -243,14 +243,14 @@ impl<'a> Controller<'a> {
         // At most one new path is searched for if a command leads into something: an answer must not be late.
         let mut has_searched = false;
         while let Some(stage) = self.stages.get_mut(self.at) {
-            let held = self.drive.held;
-            match stage.stage.proceed(&mut self.belief, &mut self.drive, now_ns) {
+            let held = self.command.held;
+            match stage.stage.proceed(&mut self.belief, &mut self.command, now_ns) {
                 Progress::Driving => {
                     self.may_touch = stage.stage.may_touch();
-                    if let Some(ahead) = self.belief.collision_ahead(&self.drive.segments, self.may_touch) {
-                        self.drive.segments.clear();
-                        self.drive.held = held;
-                        if !std::mem::replace(&mut has_searched, true) && stage.stage.find_new_way(&self.belief) {
+                    if let Some(ahead) = self.belief.collision_ahead(&self.command.segments, self.may_touch) {
+                        self.command.segments.clear();
+                        self.command.held = held;
+                        if !std::mem::replace(&mut has_searched, true) && stage.stage.find_new_path(&self.belief) {
                             continue;
                         }
                         return self.stop_before(StopReason::Blocked, Some(ahead.robot), Some(ahead.with));
@@ -259,7 +259,7 @@ impl<'a> Controller<'a> {
                     return;
                 }
                 Progress::Resting(until_ns) => {
-                    (self.drive.held, self.last, self.until_ns) = (None, LastCommand::Rest, until_ns);
+                    (self.command.held, self.last, self.until_ns) = (None, LastCommand::Rest, until_ns);
                     return;
                 }
                 Progress::Done => self.at += 1,
@@ -283,11 +283,11 @@ impl<'a> Controller<'a> {
     /// Duration of the segments, at least the interval between measurements.
     fn duration_ns(&self) -> u64 {
         let order = self.belief.order;
-        let of = |segment: &Segment| {
+        let of = |segment: &StrokeSegment| {
             let levels = if segment.sets_arms { order.states[segment.state].levels_v.len() as u64 } else { 0 };
             levels * order.facts.dwell_ns + segment.strokes.saturating_mul(order.facts.period_ns)
         };
-        let whole_ns = self.drive.segments.iter().map(of).fold(0, u64::saturating_add);
+        let whole_ns = self.command.segments.iter().map(of).fold(0, u64::saturating_add);
         whole_ns.max(self.belief.errors.replan_ns)
     }
 

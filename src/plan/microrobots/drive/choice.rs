@@ -1,10 +1,10 @@
 //! Choice of the control state for each stroke train of one robot.
 
-use super::{Drive, StuckReason};
+use super::{DriveRequest, StuckReason};
 use crate::device::microrobots::Arm;
 use crate::plan::microrobots::Leg;
 use crate::plan::microrobots::strokes::StrokeTrain;
-use crate::plan::microrobots::world::FirstMeeting;
+use crate::plan::microrobots::world::FirstCollision;
 use crate::plan::search::Meter;
 
 /// Most choices examined for one path.
@@ -12,7 +12,7 @@ const MAX_CHOICES: u32 = 2_000;
 
 /// A depth-first search over the control states of consecutive trains.
 pub(super) struct TrainChoice<'a> {
-    request: &'a Drive<'a>,
+    request: &'a DriveRequest<'a>,
     trains: &'a [StrokeTrain],
     /// Number of legs that existed before.
     before: usize,
@@ -22,12 +22,12 @@ pub(super) struct TrainChoice<'a> {
     up: Vec<usize>,
     left: u32,
     /// The latest collision found.
-    latest: Option<FirstMeeting>,
+    latest: Option<FirstCollision>,
 }
 
 impl<'a> TrainChoice<'a> {
     /// Control states for trains that follow legs.
-    pub(super) fn new(request: &'a Drive<'a>, legs: &[Leg], trains: &'a [StrokeTrain]) -> Self {
+    pub(super) fn new(request: &'a DriveRequest<'a>, legs: &[Leg], trains: &'a [StrokeTrain]) -> Self {
         let world = request.world;
         let with = |arm: Arm| {
             let mut states: Vec<usize> =
@@ -85,9 +85,9 @@ impl<'a> TrainChoice<'a> {
     }
 
     fn is_free(&mut self) -> bool {
-        let hit = self.request.bed.first_hit(self.request.world, &self.legs, &[]);
+        let hit = self.request.bed.first_collision(self.request.world, &self.legs, &[]);
         let later =
-            |hit: &FirstMeeting| self.latest.is_none_or(|other| (other.leg, other.strokes) < (hit.leg, hit.strokes));
+            |hit: &FirstCollision| self.latest.is_none_or(|other| (other.leg, other.strokes) < (hit.leg, hit.strokes));
         if let Some(hit) = hit.filter(later) {
             self.latest = Some(hit);
         }
@@ -96,7 +96,7 @@ impl<'a> TrainChoice<'a> {
 }
 
 /// Number of other robots that run straight in a state.
-fn running(request: &Drive, state: usize) -> usize {
+fn running(request: &DriveRequest, state: usize) -> usize {
     let others = (0..request.world.count()).filter(|other| *other != request.robot && !request.bed.docked[*other]);
     others.filter(|other| request.world.arm(state, *other) == Arm::Up).count()
 }

@@ -4,23 +4,23 @@
 //! end of a leg without a forbidden collision; or why none were found.
 //!
 //! Method: first one or two trains of strokes that end within the precision, where they cost less than the path to the
-//! stop itself; then the path of the driven robot alone (`ways`), in whole strokes (`strokes`). Any control state with
+//! stop itself; then the path of the driven robot alone (`paths`), in whole strokes (`strokes`). Any control state with
 //! its arm in the position that a leg needs can drive this leg; states are tried leg by leg, depth first, those first
 //! in which the fewest other robots run, since robots that turn stay in place (`choice`). If no choice is free of
 //! collisions, the collision partner becomes an obstacle of the driven robot: the body of a robot where they met, or
 //! the disc of one that orbits; and the path is searched again.
 //!
-//! Promise: the legs are free of collisions by `World::first_hit`, and the stops are met within the precision. Not
-//! promised: that legs are found where there are some, nor the fewest strokes. Apart from those short drives the stops
-//! themselves are targeted; drives that save strokes by stopping short within the precision are not searched. For lower
-//! bounds see `bound`.
+//! Promise: the legs are free of collisions by `CollisionWorld::first_collision`, and the stops are met within the
+//! precision. Not promised: that legs are found where there are some, nor the fewest strokes. Apart from those short
+//! drives the stops themselves are targeted; drives that save strokes by stopping short within the precision are not
+//! searched. For lower bounds see `bound`.
 
 mod choice;
 
 use super::free::{self, ArmSegment};
+use super::paths::{PathFailure, PathRequest};
 use super::strokes::{self, StrokeTrain};
-use super::ways::{DriveTask, NoWay};
-use super::world::{BedPoses, FirstMeeting, Fixtures, ForbiddenMeeting, Obstruction, World};
+use super::world::{BedPoses, Collision, CollisionWorld, FirstCollision, Fixtures, Obstruction};
 use super::{Leg, legs_cost};
 use crate::claims::microrobots::{MicrorobotsOrder, Precision};
 use crate::device::microrobots::Arm;
@@ -34,25 +34,25 @@ const MAX_ROUNDS: usize = 8;
 
 /// A drive request: the robot, its stops, and the bed.
 #[derive(Clone, Copy)]
-pub struct Drive<'a> {
+pub struct DriveRequest<'a> {
     pub order: &'a MicrorobotsOrder,
-    pub world: &'a World,
+    pub world: &'a CollisionWorld,
     pub bed: &'a BedPoses,
     pub robot: usize,
     /// In order; the last one is the goal.
     pub stops: &'a [Pose],
 }
 
-impl Drive<'_> {
+impl DriveRequest<'_> {
     /// The control states that keep the arms of docked robots up.
     fn states(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.world.state_count()).filter(|state| self.world.spares(*state, &self.bed.docked))
+        (0..self.world.state_count()).filter(|state| self.world.keeps_docked_arms_up(*state, &self.bed.docked))
     }
 }
 
-/// A successful drive.
+/// The legs of a successful drive.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Driven {
+pub struct DrivePlan {
     /// Consecutive legs differ in their states, unless a stop lies between them. Empty if the robot is at its goal
     /// already.
     pub legs: Vec<Leg>,
@@ -77,12 +77,12 @@ pub struct StuckDrive {
     /// Steps of the budget spent.
     pub spent: u64,
     /// Number of paths for which control states were tried.
-    pub ways: usize,
+    pub paths: usize,
 }
 
-/// An obstruction.
+/// What stands in the way of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Thing {
+pub enum DriveBlocker {
     /// Index into the order's obstacles.
     Obstacle(usize),
     /// The body of a robot.
@@ -103,20 +103,20 @@ pub enum StuckReason {
     /// arm while keeping those of docked robots up.
     NeverRuns,
     /// A proof if every plan has the robot here before this stop: at its current pose it is too near to this to move.
-    Start(Thing),
+    Start(DriveBlocker),
     /// At the stop it is too near to this. No proof: it may stop elsewhere within the precision.
-    Goal(Thing),
+    Goal(DriveBlocker),
     /// No path around this was found. No proof.
-    Blocked(Thing),
+    Blocked(DriveBlocker),
     /// The budget ran out; this blocks the shortest path. No proof.
-    GaveUp(Thing),
+    GaveUp(DriveBlocker),
     /// The precision is finer than whole strokes can achieve. No proof.
     TooFine,
     /// The budget ran out during the choice of control states. No proof.
     OutOfBudget,
     /// It has a path, but every choice of control states that was tried causes a collision; this is the latest one. No
     /// proof.
-    Meets(FirstMeeting),
+    Meets(FirstCollision),
 }
 
 impl StuckReason {
@@ -134,14 +134,15 @@ impl StuckReason {
 ///
 /// # Errors
 /// See [`StuckReason`].
-pub fn drive(request: &Drive, budget: SearchBudget) -> Result<Driven, StuckDrive> {
-    let mut progress = DriveProgress { request, meter: Meter::new(budget), legs: Vec::new(), met: Vec::new(), ways: 0 };
+pub fn drive(request: &DriveRequest, budget: SearchBudget) -> Result<DrivePlan, StuckDrive> {
+    let mut progress =
+        DriveProgress { request, meter: Meter::new(budget), legs: Vec::new(), met: Vec::new(), paths: 0 };
     for (stop, goal) in request.stops.iter().enumerate() {
         let stuck = |reason, progress: &DriveProgress| StuckDrive {
             stop,
             reason,
             spent: progress.meter.spent(),
-            ways: progress.ways,
+            paths: progress.paths,
         };
         progress.reach(*goal).map_err(|reason| stuck(reason, &progress))?;
         progress.met.push(progress.legs.len());
@@ -151,11 +152,11 @@ pub fn drive(request: &Drive, budget: SearchBudget) -> Result<Driven, StuckDrive
 
 /// Legs up to a stop, under construction.
 struct DriveProgress<'a> {
-    request: &'a Drive<'a>,
+    request: &'a DriveRequest<'a>,
     meter: Meter,
     legs: Vec<Leg>,
     met: Vec<usize>,
-    ways: usize,
+    paths: usize,
 }
 
 impl DriveProgress<'_> {
@@ -167,7 +168,7 @@ impl DriveProgress<'_> {
 
     /// Adds the legs up to a stop.
     fn reach(&mut self, goal: Pose) -> Result<(), StuckReason> {
-        let Drive { order, world, bed, robot, .. } = *self.request;
+        let DriveRequest { order, world, bed, robot, .. } = *self.request;
         let from = self.pose();
         if strokes::is_within(from, goal, order.precision) {
             return Ok(());
@@ -177,7 +178,7 @@ impl DriveProgress<'_> {
         }
         self.can_steer(from, goal)?;
         let around = Around::docked(world, bed, robot);
-        let exact = DriveTask { world, robot, from, to: goal, fixtures: &around.fixtures };
+        let exact = PathRequest { world, robot, from, to: goal, fixtures: &around.fixtures };
         let Some(short) = self.stop_short(exact) else {
             self.legs = self.reach_exactly(from, goal, around)?;
             return Ok(());
@@ -192,7 +193,7 @@ impl DriveProgress<'_> {
 
     /// The legs so far and those to a stop itself, around the given things and the collision partners found on the way.
     fn reach_exactly(&mut self, from: Pose, goal: Pose, mut around: Around) -> Result<Vec<Leg>, StuckReason> {
-        let Drive { order, world, robot, .. } = *self.request;
+        let DriveRequest { order, world, robot, .. } = *self.request;
         let mut last = None;
         for _ in 0..MAX_ROUNDS {
             let found = match self.find(from, goal, &around) {
@@ -216,8 +217,8 @@ impl DriveProgress<'_> {
     }
 
     /// The legs so far and the best one or two trains that end within the precision of a stop.
-    fn stop_short(&mut self, exact: DriveTask) -> Option<Vec<Leg>> {
-        let Drive { order, world, robot, .. } = *self.request;
+    fn stop_short(&mut self, exact: PathRequest) -> Option<Vec<Leg>> {
+        let DriveRequest { order, world, robot, .. } = *self.request;
         let facts = &world.body(robot).robot;
         let mut best: Option<Vec<Leg>> = None;
         for trains in strokes::short(facts, exact.from, exact.to, order.precision) {
@@ -238,23 +239,23 @@ impl DriveProgress<'_> {
     /// Path of the robot alone. Unless the free optimum is clear, it leaves room for rounding to whole strokes where it
     /// can.
     fn find(&mut self, from: Pose, to: Pose, around: &Around) -> Result<Vec<ArmSegment>, StuckReason> {
-        let Drive { order, world, robot, .. } = *self.request;
-        let exact = DriveTask { world, robot, from, to, fixtures: &around.fixtures };
+        let DriveRequest { order, world, robot, .. } = *self.request;
+        let exact = PathRequest { world, robot, from, to, fixtures: &around.fixtures };
         if let Ok(found) = exact.direct() {
-            return Ok(found.way);
+            return Ok(found.segments);
         }
         let wide = world.widened(strokes::ASTRAY * order.precision.place_um);
-        let found = DriveTask { world: &wide, ..exact }.find(&mut self.meter);
-        let found = found.or_else(|no_way| match no_way {
-            NoWay::GaveUp(_) => Err(no_way),
-            NoWay::Start(_) | NoWay::Goal(_) | NoWay::Blocked(_) => exact.find(&mut self.meter),
+        let found = PathRequest { world: &wide, ..exact }.find(&mut self.meter);
+        let found = found.or_else(|failure| match failure {
+            PathFailure::GaveUp(_) => Err(failure),
+            PathFailure::Start(_) | PathFailure::Goal(_) | PathFailure::Blocked(_) => exact.find(&mut self.meter),
         });
-        found.map(|found| found.way).map_err(|no_way| around.reason(no_way))
+        found.map(|found| found.segments).map_err(|failure| around.reason(failure))
     }
 
     /// Legs along the other free path, on which the other robots move differently.
-    fn other_word(&mut self, from: Pose, goal: Pose, last: Option<FirstMeeting>) -> Result<Vec<Leg>, StuckReason> {
-        let Drive { order, world, bed, robot, .. } = *self.request;
+    fn other_word(&mut self, from: Pose, goal: Pose, last: Option<FirstCollision>) -> Result<Vec<Leg>, StuckReason> {
+        let DriveRequest { order, world, bed, robot, .. } = *self.request;
         let around = Around::docked(world, bed, robot);
         let facts = &world.body(robot).robot;
         let way = free::words(facts, from, goal)[1].segments(facts.turning_radius_um);
@@ -267,13 +268,13 @@ impl DriveProgress<'_> {
     }
 
     fn choose(&mut self, trains: &[StrokeTrain]) -> Result<Vec<Leg>, StuckReason> {
-        self.ways += 1;
+        self.paths += 1;
         TrainChoice::new(self.request, &self.legs, trains).run(&mut self.meter)
     }
 
     /// Whether control states put the arm in the positions that every path needs.
     fn can_steer(&self, from: Pose, goal: Pose) -> Result<(), StuckReason> {
-        let Drive { order, world, robot, .. } = *self.request;
+        let DriveRequest { order, world, robot, .. } = *self.request;
         let has = |arm: Arm| self.request.states().any(|state| world.arm(state, robot) == arm);
         let facts = &world.body(robot).robot;
         // Without a turn the heading stays the same; without a run the turning centre does.
@@ -294,14 +295,14 @@ impl DriveProgress<'_> {
         Ok(())
     }
 
-    fn driven(self) -> Driven {
-        let Drive { world, bed, robot, stops, .. } = *self.request;
+    fn driven(self) -> DrivePlan {
+        let DriveRequest { world, bed, robot, stops, .. } = *self.request;
         let facts = &world.body(robot).robot;
         let start = std::iter::once(&bed.poses[robot]);
         let exact_um: f64 = start.chain(stops).zip(stops).map(|(from, to)| free::distance_um(facts, *from, *to)).sum();
         let strokes = self.legs.iter().map(|leg| leg.strokes).sum();
         let exact_strokes = (exact_um / facts.step_um - ROUNDING).ceil().max(0.0) as u64;
-        Driven {
+        DrivePlan {
             met: self.met,
             strokes,
             exact_strokes,
@@ -325,42 +326,42 @@ struct Around {
 
 impl Around {
     /// The docked bodies.
-    fn docked(world: &World, bed: &BedPoses, robot: usize) -> Self {
+    fn docked(world: &CollisionWorld, bed: &BedPoses, robot: usize) -> Self {
         let bodies: Vec<usize> = (0..world.count()).filter(|other| bed.docked[*other] && *other != robot).collect();
         let rectangles = bodies.iter().map(|other| world.rectangle(*other, bed.poses[*other])).collect();
         Around { fixtures: Fixtures { discs: Vec::new(), bodies: rectangles }, bodies, discs: Vec::new() }
     }
 
-    fn thing(&self, obstruction: Obstruction) -> Thing {
+    fn blocker(&self, obstruction: Obstruction) -> DriveBlocker {
         match obstruction {
-            Obstruction::Obstacle(obstacle) => Thing::Obstacle(obstacle),
-            Obstruction::Disc(disc) => Thing::Orbit(self.discs[disc]),
-            Obstruction::Body(body) => Thing::Robot(self.bodies[body]),
+            Obstruction::Obstacle(obstacle) => DriveBlocker::Obstacle(obstacle),
+            Obstruction::Disc(disc) => DriveBlocker::Orbit(self.discs[disc]),
+            Obstruction::Body(body) => DriveBlocker::Robot(self.bodies[body]),
         }
     }
 
-    fn reason(&self, no_way: NoWay) -> StuckReason {
-        match no_way {
-            NoWay::Start(found) => StuckReason::Start(self.thing(found)),
-            NoWay::Goal(found) => StuckReason::Goal(self.thing(found)),
-            NoWay::Blocked(found) => StuckReason::Blocked(self.thing(found)),
-            NoWay::GaveUp(found) => StuckReason::GaveUp(self.thing(found)),
+    fn reason(&self, failure: PathFailure) -> StuckReason {
+        match failure {
+            PathFailure::Start(found) => StuckReason::Start(self.blocker(found)),
+            PathFailure::Goal(found) => StuckReason::Goal(self.blocker(found)),
+            PathFailure::Blocked(found) => StuckReason::Blocked(self.blocker(found)),
+            PathFailure::GaveUp(found) => StuckReason::GaveUp(self.blocker(found)),
         }
     }
 
     /// Adds the collision partner as an obstacle; `false` if the driven robot did not collide, or the obstacle exists
     /// already.
-    fn add(&mut self, request: &Drive, legs: &[Leg], hit: FirstMeeting) -> bool {
-        let Drive { world, bed, robot, .. } = *request;
-        let (other, with) = match hit.meeting {
-            ForbiddenMeeting::Robots { robot: one, other } if one == robot => (other, hit.with),
-            ForbiddenMeeting::Robots { robot: other, other: one } if one == robot => (other, hit.at),
-            ForbiddenMeeting::OrbitRobot { robot: other, other: one } if one == robot => (other, hit.at),
-            ForbiddenMeeting::Robots { .. }
-            | ForbiddenMeeting::OrbitRobot { .. }
-            | ForbiddenMeeting::Obstacle { .. }
-            | ForbiddenMeeting::OrbitObstacle { .. }
-            | ForbiddenMeeting::Orbits { .. } => return false,
+    fn add(&mut self, request: &DriveRequest, legs: &[Leg], hit: FirstCollision) -> bool {
+        let DriveRequest { world, bed, robot, .. } = *request;
+        let (other, with) = match hit.collision {
+            Collision::Robots { robot: one, other } if one == robot => (other, hit.with),
+            Collision::Robots { robot: other, other: one } if one == robot => (other, hit.at),
+            Collision::OrbitRobot { robot: other, other: one } if one == robot => (other, hit.at),
+            Collision::Robots { .. }
+            | Collision::OrbitRobot { .. }
+            | Collision::Obstacle { .. }
+            | Collision::OrbitObstacle { .. }
+            | Collision::Orbits { .. } => return false,
         };
         let mut poses = bed.poses.clone();
         legs.iter().for_each(|leg| world.advance(&mut poses, &bed.docked, *leg));

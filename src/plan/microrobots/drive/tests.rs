@@ -8,14 +8,19 @@ use crate::plan::microrobots::world::fixture::{bed, obstacle, pose, robot};
 use proptest::prelude::*;
 use std::sync::Arc;
 
-fn drive_in(order: &MicrorobotsOrder, docked: &[usize], driven: usize, stops: &[Pose]) -> Result<Driven, StuckDrive> {
-    let world = World::new(order);
+fn drive_in(
+    order: &MicrorobotsOrder,
+    docked: &[usize],
+    driven: usize,
+    stops: &[Pose],
+) -> Result<DrivePlan, StuckDrive> {
+    let world = CollisionWorld::new(order);
     let start: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
     let docked: Vec<bool> = (0..start.len()).map(|robot| docked.contains(&robot)).collect();
     let bed = BedPoses::new(start.clone(), docked.clone());
-    let request = Drive { order, world: &world, bed: &bed, robot: driven, stops };
+    let request = DriveRequest { order, world: &world, bed: &bed, robot: driven, stops };
     let plan = drive(&request, SearchBudget::of(500_000))?;
-    assert_eq!(world.first_hit(&start, &docked, &plan.legs, &[]), None);
+    assert_eq!(world.first_collision(&start, &docked, &plan.legs, &[]), None);
     let mut poses = start;
     let mut stop = 0;
     for (index, leg) in plan.legs.iter().enumerate() {
@@ -102,7 +107,7 @@ fn docked_robots_are_driven_around() {
     let plan = drive_in(&order, &[1], 0, &[Pose::at(2_000.0, 0.0)]).unwrap();
     assert!(!plan.direct);
     let stuck = drive_in(&order, &[1], 0, &[Pose::at(1_000.0, 50.0)]).unwrap_err();
-    assert!(stuck.reason == StuckReason::Goal(Thing::Robot(1)) && !stuck.reason.is_proof());
+    assert!(stuck.reason == StuckReason::Goal(DriveBlocker::Robot(1)) && !stuck.reason.is_proof());
     assert_eq!(drive_in(&order, &[1], 1, &[Pose::at(1_000.0, 500.0)]).unwrap_err().reason, StuckReason::Docked);
 }
 
@@ -124,7 +129,7 @@ fn what_others_hit_is_told() {
     let order = three([Pose::at(0.0, 0.0), far(1), pose(5_000.0, 0.0, 0.0)], vec![wall]);
     let stuck = drive_in(&order, &[], 0, &[Pose::at(2_000.0, 0.0)]).unwrap_err();
     let StuckReason::Meets(hit) = stuck.reason else { panic!("{stuck:?}") };
-    assert_eq!(hit.meeting, ForbiddenMeeting::Obstacle { robot: 2, obstacle: 0 });
+    assert_eq!(hit.collision, Collision::Obstacle { robot: 2, obstacle: 0 });
     assert!(!stuck.reason.is_proof());
     // With its legs chosen accordingly, it turns in time: while all arms are down in between, it comes back.
     let wall = obstacle("wall", Shape::Box { size_um: [40.0, 4_000.0] }, Pose::at(9_000.0, 0.0));

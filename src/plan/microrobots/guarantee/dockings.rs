@@ -1,7 +1,7 @@
 //! Dockings of a plan that is carried out as written: when robots touch, and whether they then stick in their places.
 
 use super::outline::WrittenPlan;
-use super::passages::{DistanceLooks, NearStretch, apart_um};
+use super::passages::{NearStretch, SampleBudget, apart_um};
 use super::stray::StrayBound;
 use crate::device::microrobots::{Errors, wrapped_rad};
 use crate::geometry::Pose;
@@ -80,20 +80,20 @@ impl PlannedDocking {
 
 /// The dockings of a plan in order of time; `None` if a robot docks where nothing certainly stops it.
 pub fn dockings(plan: &WrittenPlan, stages: &[&AssemblyStage]) -> Option<Vec<PlannedDocking>> {
-    let mut looks = DistanceLooks::new();
+    let mut budget = SampleBudget::new();
     let mut found = Vec::new();
     for stage in stages {
         let robots = match **stage {
             AssemblyStage::Pair { first, second, goals, .. } => vec![(first, goals[0]), (second, goals[1])],
             AssemblyStage::Single { robot, goal, .. } => vec![(robot, goal)],
-            AssemblyStage::Departure { .. } | AssemblyStage::Escort { .. } => continue,
+            AssemblyStage::InitialLegs { .. } | AssemblyStage::Escort { .. } => continue,
         };
-        found.push(docking(plan, robots, &mut looks)?);
+        found.push(docking(plan, robots, &mut budget)?);
     }
     Some(found)
 }
 
-fn docking(plan: &WrittenPlan, robots: Vec<(usize, Pose)>, looks: &mut DistanceLooks) -> Option<PlannedDocking> {
+fn docking(plan: &WrittenPlan, robots: Vec<(usize, Pose)>, budget: &mut SampleBudget) -> Option<PlannedDocking> {
     let leg = plan.docks[robots.first()?.0]?;
     if robots.iter().any(|(robot, _)| plan.docks[*robot] != Some(leg)) {
         return None;
@@ -110,7 +110,7 @@ fn docking(plan: &WrittenPlan, robots: Vec<(usize, Pose)>, looks: &mut DistanceL
     for at in (first_leg..=leg).rev() {
         let strokes = plan.legs[at].strokes as f64;
         for other in &others {
-            for stretch in plan.near(looks, [found.robots[0].0, *other], at)? {
+            for stretch in plan.near(budget, [found.robots[0].0, *other], at)? {
                 let stretch = found.stretch(plan, at, stretch, left_strokes + strokes - stretch.strokes[0]);
                 found.near.push(stretch);
             }

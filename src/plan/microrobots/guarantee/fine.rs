@@ -7,7 +7,7 @@
 //! the measurement, E(D) / S(D), and the robot's own.
 
 use crate::geometry::Pose;
-use crate::plan::microrobots::strategy::{Cylinder, Driver, GoalFrame, steered};
+use crate::plan::microrobots::strategy::{Cylinder, GoalFrame, SteeringModel, steered};
 use crate::real::Real;
 
 /// Steepest heading considered, relative to the normal of the edge.
@@ -28,7 +28,7 @@ pub struct Region {
 
 /// Bounds of a fine motion that begins in a cylinder.
 #[derive(Debug, Clone, Copy)]
-pub struct Last {
+pub struct FineMotionBounds {
     /// Radius of the largest correctable cylinder.
     pub reach_um: f64,
     /// Incidence at contact.
@@ -39,8 +39,9 @@ pub struct Last {
     pub bend_per_um: f64,
 }
 
-struct FineBounds<'a> {
-    driver: &'a Driver<'a>,
+/// Bounds from which the reserve of curvature follows.
+struct ReserveBounds<'a> {
+    model: &'a SteeringModel<'a>,
     incidence_rad: f64,
     /// Steepest heading at the start of the fine motion.
     steepest_rad: f64,
@@ -48,19 +49,19 @@ struct FineBounds<'a> {
     way_um: f64,
 }
 
-impl Last {
+impl FineMotionBounds {
     /// Bounds for a robot that steers by a share of turning between two limits.
-    pub fn new(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> Self {
+    pub fn new(model: &SteeringModel, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> Self {
         let seen = frame.seen(approach);
         let steepest_rad = (seen.heading_rad.abs() + region.cylinder.heading_rad).min(STEEPEST_RAD);
-        let [begin_rad, begin_bend_per_um, way_um] = met(driver, frame, approach, region, shares);
-        let mut bounds = FineBounds { driver, incidence_rad: begin_rad, steepest_rad, way_um };
+        let [begin_rad, begin_bend_per_um, way_um] = met(model, frame, approach, region, shares);
+        let mut bounds = ReserveBounds { model, incidence_rad: begin_rad, steepest_rad, way_um };
         for _ in 0..ROUNDS {
             bounds.incidence_rad = (begin_rad + bounds.reserve()[1]).min(STEEPEST_RAD);
         }
         let [reserve_per_um, _] = bounds.reserve();
-        let reach_um = region.cylinder.radius_um + slack(driver, frame, seen, region, shares, reserve_per_um);
-        Last {
+        let reach_um = region.cylinder.radius_um + slack(model, frame, seen, region, shares, reserve_per_um);
+        FineMotionBounds {
             reach_um,
             incidence_rad: bounds.incidence_rad,
             across_um: bounds.across_um(),
@@ -83,9 +84,9 @@ fn corners(frame: &GoalFrame, approach: Pose, region: Region) -> Vec<Pose> {
 
 /// Without further errors: the steepest incidence from a cylinder, the largest deviation of the curvature from that at
 /// the middle, and the longest path.
-fn met(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> [f64; 3] {
-    let per_um = 1.0 / driver.robot.turning_radius_um;
-    let share = |seen: Pose| steered(driver, frame, frame.placed(seen), shares).0;
+fn met(model: &SteeringModel, frame: &GoalFrame, approach: Pose, region: Region, shares: [f64; 2]) -> [f64; 3] {
+    let per_um = 1.0 / model.robot.turning_radius_um;
+    let share = |seen: Pose| steered(model, frame, frame.placed(seen), shares).0;
     let middle = share(frame.seen(approach));
     let (mut incidence_rad, mut bend_per_um, mut way_um) = (0.0_f64, 0.0_f64, 0.0_f64);
     for corner in corners(frame, approach, region) {
@@ -103,14 +104,14 @@ fn met(driver: &Driver, frame: &GoalFrame, approach: Pose, region: Region, share
 /// Amount by which a cylinder may be larger and still be steered to the goal by shares that keep a reserve of
 /// curvature.
 fn slack(
-    driver: &Driver,
+    model: &SteeringModel,
     frame: &GoalFrame,
     seen: Pose,
     region: Region,
     [least, most]: [f64; 2],
     reserve_per_um: f64,
 ) -> f64 {
-    let per_um = 1.0 / driver.robot.turning_radius_um;
+    let per_um = 1.0 / model.robot.turning_radius_um;
     let (low, high) = (least * per_um + reserve_per_um, most * per_um - reserve_per_um);
     // The lateral place has at most one extremum along x within the cylinder; the sagitta bounds it.
     let sagitta_um = region.along_um * region.along_um * per_um / 2.0;
@@ -127,9 +128,9 @@ fn slack(
     (-most_um).min(least_um)
 }
 
-impl FineBounds<'_> {
+impl ReserveBounds<'_> {
     fn length_um(&self) -> f64 {
-        self.driver.robot.length_um
+        self.model.robot.length_um
     }
 
     /// Upper bound on the lateral shift of the front per unit of curvature over a distance, apart from the incidence.
@@ -140,38 +141,38 @@ impl FineBounds<'_> {
     /// Lower bound on the same: on a path of maximal curvature, relative to the normal of its end.
     fn moved_at_least(&self, way_um: f64) -> f64 {
         let bent_rad =
-            (way_um / self.driver.robot.turning_radius_um).min(self.steepest_rad + self.incidence_rad).min(1.5);
-        let lean_um = self.driver.robot.width_um / 2.0 * self.incidence_rad.sine();
+            (way_um / self.model.robot.turning_radius_um).min(self.steepest_rad + self.incidence_rad).min(1.5);
+        let lean_um = self.model.robot.width_um / 2.0 * self.incidence_rad.sine();
         let least = way_um * (way_um * bent_rad.cosine() + self.length_um() - 2.0 * lean_um) / 2.0;
         least.max(1e-6)
     }
 
     /// Lateral error due to a measurement at this distance before the contact.
     fn measured_um(&self, way_um: f64) -> f64 {
-        let errors = self.driver.errors;
+        let errors = self.model.errors;
         let lever_um = way_um + self.length_um() / 2.0;
-        let lean_um = self.driver.robot.width_um / 2.0 * self.incidence_rad.sine() * errors.heading_rad;
+        let lean_um = self.model.robot.width_um / 2.0 * self.incidence_rad.sine() * errors.heading_rad;
         (errors.place_um + errors.heading_rad * lever_um) / self.incidence_rad.cosine() + lean_um
     }
 
     fn drift_per_um(&self) -> f64 {
-        self.driver.errors.turning_rad_per_um * (1.0 + self.driver.errors.speed_ratio)
+        self.model.errors.turning_rad_per_um * (1.0 + self.model.errors.speed_ratio)
     }
 
     /// Shortest distance to the contact at a measurement after which the share is still adjusted.
     fn shortest_um(&self) -> f64 {
-        let errors = self.driver.errors;
+        let errors = self.model.errors;
         let unsure_um =
-            errors.place_um + errors.heading_rad * self.length_um().hypotenuse(self.driver.robot.width_um) / 2.0;
-        let over_um = self.driver.fine_interval_um * errors.speed_ratio;
+            errors.place_um + errors.heading_rad * self.length_um().hypotenuse(self.model.robot.width_um) / 2.0;
+        let over_um = self.model.fine_interval_um * errors.speed_ratio;
         // A turn may advance the front faster than the middle.
-        (0.8 * (self.driver.kept_um - over_um - unsure_um)).max(0.05 * self.driver.kept_um)
+        (0.8 * (self.model.kept_um - over_um - unsure_um)).max(0.05 * self.model.kept_um)
     }
 
     /// Change of the needed curvature, and of the incidence with it, over all intervals; the last steered interval lies
     /// as near to the contact as possible.
     fn reserve(&self) -> [f64; 2] {
-        let step_um = self.driver.fine_interval_um * (1.0 + self.driver.errors.speed_ratio);
+        let step_um = self.model.fine_interval_um * (1.0 + self.model.errors.speed_ratio);
         let (mut per_um, mut turned_rad) = (0.0, self.drift_per_um() * self.way_um);
         let mut after_um = self.shortest_um();
         if (self.way_um - after_um) / step_um > MAX_INTERVALS {
@@ -194,15 +195,15 @@ impl FineBounds<'_> {
 
     /// Lateral error at contact: of the last measurement, of the path after it, and of an interrupted cycle.
     fn across_um(&self) -> f64 {
-        let errors = self.driver.errors;
-        let robot = self.driver.robot;
+        let errors = self.model.errors;
+        let robot = self.model.robot;
         let unsure_um = errors.place_um + errors.heading_rad * self.length_um().hypotenuse(robot.width_um) / 2.0;
-        let gap_um = self.driver.fine_interval_um + self.driver.kept_um + unsure_um;
+        let gap_um = self.model.fine_interval_um + self.model.kept_um + unsure_um;
         let steepest_rad = self.incidence_rad + 1.3 * gap_um / robot.turning_radius_um;
         // A turn moves the leading corner back.
         let turning = robot.width_um / 2.0 / robot.turning_radius_um;
         let way_um = gap_um / (steepest_rad.min(STEEPEST_RAD).cosine() - turning).max(0.2);
-        let cycle_um = self.driver.cycle_um;
+        let cycle_um = self.model.cycle_um;
         let ripple_um = (self.length_um() / 2.0 + cycle_um) * cycle_um / (8.0 * robot.turning_radius_um) + 0.01;
         let drift_um = self.drift_per_um() * self.moved(way_um);
         self.measured_um(way_um) + (drift_um + ripple_um) / self.incidence_rad.cosine()

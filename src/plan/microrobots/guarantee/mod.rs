@@ -7,9 +7,9 @@
 //! trials), so a stage is never called guaranteed because of them; they show what to examine first. A stage in which
 //! one does not hold may well succeed nearly always.
 //!
-//! Method: the forward projection of the gross motion is the cylinder about the approach ([`Driver::cylinder`]); it
-//! must lie in the preimage of the goal under the fine motion (`fine`), that is, within the reach of its curvatures on
-//! both sides, less the share that the errors of all intervals may consume. The error at contact is that of the last
+//! Method: the forward projection of the gross motion is the cylinder about the approach ([`SteeringModel::cylinder`]);
+//! it must lie in the preimage of the goal under the fine motion (`fine`), that is, within the reach of its curvatures
+//! on both sides, less the share that the errors of all intervals may consume. The error at contact is that of the last
 //! measurement and of the path after it. The goal region is enlarged by compliance: any angle within the docking limits
 //! is accepted. The paths themselves, with all possible deviations of the robots, must stay clear of everything
 //! (`room`); this test replaces the paper's C_O. Source: the paper's section 3.4, with the ranges of the three
@@ -25,9 +25,9 @@ mod room;
 mod stray;
 mod written;
 
-pub use written::{borne, carried_out_as_written, scaled};
+pub use written::{carried_out_as_written, scaled, tolerated_multiple};
 
-use super::strategy::{Driver, Episode, GoalFrame, StrategySolid, edge_gap_um, episodes, obstacles};
+use super::strategy::{Episode, GoalFrame, SteeringModel, StrategySolid, edge_gap_um, episodes, obstacles};
 use super::{AssemblyStage, MicrorobotsMotion};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
@@ -72,7 +72,7 @@ pub struct Containment {
 
 /// The containments of a stage.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Assured {
+pub struct StageContainments {
     /// Index into the order's steps.
     pub step: usize,
     /// Indices of the driven robots, into the order's robots.
@@ -87,7 +87,7 @@ impl Containment {
     }
 }
 
-impl Assured {
+impl StageContainments {
     /// The first containment that does not hold. If there is none, the stage is still not guaranteed: these are
     /// estimates.
     pub fn violated(&self) -> Option<&Containment> {
@@ -97,7 +97,7 @@ impl Assured {
 }
 
 /// Estimates for the stages of a plan in order of time; `None` if the device does not state its errors.
-pub fn guarantees(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<Vec<Assured>> {
+pub fn estimated_containments(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Option<Vec<StageContainments>> {
     order.facts.errors?;
     let solids = obstacles(order);
     let mut structure = Displaced::default();
@@ -108,11 +108,11 @@ pub fn guarantees(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> Optio
         let bed = StageContext { order, episode, obstacles: &solids, is_first, structure };
         let containments = match episode.stage {
             AssemblyStage::Pair { .. } => pair::containments(&bed, &mut structure),
-            AssemblyStage::Escort { .. } | AssemblyStage::Departure { .. } => continue,
+            AssemblyStage::Escort { .. } | AssemblyStage::InitialLegs { .. } => continue,
             AssemblyStage::Single { robot, approach, goal, .. } => single(&bed, *robot, *approach, *goal),
         };
         let robots = super::strategy::driven(episode.stage).into_iter().map(|(robot, _)| robot).collect();
-        found.push(Assured { step: episode.step, robots, containments: containments.unwrap_or_default() });
+        found.push(StageContainments { step: episode.step, robots, containments: containments.unwrap_or_default() });
     }
     Some(found)
 }
@@ -155,8 +155,8 @@ impl StageContext<'_> {
                     + self.structure.heading_rad * facts.length_um.hypotenuse(facts.width_um) / 2.0
                     + order.facts.docking.tolerance_um;
                 around.docked.push((StrategySolid::standing(facts, pose), stray_um));
-            } else if let Some(driver) = Driver::new(order, robot) {
-                around.free.push(StrategySolid::orbit(facts, pose, driver.orbit_error_um()));
+            } else if let Some(model) = SteeringModel::new(order, robot) {
+                around.free.push(StrategySolid::orbit(facts, pose, model.orbit_error_um()));
             }
         }
         around
@@ -170,22 +170,22 @@ impl StageContext<'_> {
 }
 
 fn single(bed: &StageContext, robot: usize, approach: Pose, goal: Pose) -> Option<Vec<Containment>> {
-    let driver = Driver::new(bed.order, robot)?;
-    let cylinder = driver.cylinder();
+    let model = SteeringModel::new(bed.order, robot)?;
+    let cylinder = model.cylinder();
     let docking = bed.order.facts.docking;
     let held = |check: ContainmentCheck, needs: f64, has: f64| Containment { robot, check, needs, has };
     let gap_um = bed.gap_um(robot, goal);
     let mut found = vec![held(ContainmentCheck::Edge, 1.0, f64::from(u8::from(gap_um.is_some())))];
-    let frame = GoalFrame::new(driver.robot, goal, gap_um.unwrap_or(0.0));
+    let frame = GoalFrame::new(model.robot, goal, gap_um.unwrap_or(0.0));
     let region = fine::Region { cylinder, along_um: cylinder.radius_um };
-    let last = fine::Last::new(&driver, &frame, approach, region, [0.0, 1.0]);
-    found.push(held(ContainmentCheck::Cone, cylinder.radius_um, last.reach_um));
-    found.push(held(ContainmentCheck::Angle, last.incidence_rad, docking.sticking_rad));
-    found.push(held(ContainmentCheck::Place, last.across_um, docking.tolerance_um));
+    let bounds = fine::FineMotionBounds::new(&model, &frame, approach, region, [0.0, 1.0]);
+    found.push(held(ContainmentCheck::Cone, cylinder.radius_um, bounds.reach_um));
+    found.push(held(ContainmentCheck::Angle, bounds.incidence_rad, docking.sticking_rad));
+    found.push(held(ContainmentCheck::Place, bounds.across_um, docking.tolerance_um));
     let around = bed.surroundings(&[robot]);
-    let way = GrossMotion::new(bed, &driver, robot, &bed.episode.via_um[0], approach);
+    let way = GrossMotion::new(bed, &model, robot, &bed.episode.via_um[0], approach);
     found.extend(way.tightest(&around).map(|(name, needs, has)| held(ContainmentCheck::Gross(name), needs, has)));
-    let stretch = room::FineMotion { driver: &driver, frame: &frame, last: &last, approach, shift_um: way.shift_um };
+    let stretch = room::FineMotion { model: &model, frame: &frame, bounds: &bounds, approach, shift_um: way.shift_um };
     found.extend(stretch.tightest(&around).map(|(name, needs, has)| held(ContainmentCheck::Fine(name), needs, has)));
     Some(found)
 }
@@ -200,7 +200,7 @@ mod tests {
         let violated = |needs: f64, has: f64| {
             let holds = Containment { robot: 0, check: ContainmentCheck::Cone, needs: 1.0, has: 2.0 };
             let other = Containment { robot: 1, check: ContainmentCheck::Angle, needs, has };
-            let stage = Assured { step: 0, robots: vec![0, 1], containments: vec![holds, other] };
+            let stage = StageContainments { step: 0, robots: vec![0, 1], containments: vec![holds, other] };
             stage.violated().map(|containment| containment.robot)
         };
         assert_eq!(violated(1.0, 1.0), None);

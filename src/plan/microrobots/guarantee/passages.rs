@@ -13,11 +13,11 @@ use crate::plan::microrobots::strategy::{BodyCorners, body, obstacles};
 pub const FAR_UM: f64 = 50.0;
 
 /// Least motion between two samples, and its share of the distance of near bodies.
-const LOOK_UM: f64 = 0.5;
-const LOOK_SHARE: f64 = 0.05;
+const SAMPLE_STEP_UM: f64 = 0.5;
+const SAMPLE_STEP_SHARE: f64 = 0.05;
 
 /// Most samples of one plan.
-const MAX_LOOKS: u32 = 3_000_000;
+const MAX_SAMPLES: u32 = 3_000_000;
 
 /// A robot near to an obstacle or to another robot in a leg.
 pub struct Passage {
@@ -39,11 +39,11 @@ pub struct NearStretch {
 }
 
 /// Budget of distance samples.
-pub struct DistanceLooks(u32);
+pub struct SampleBudget(u32);
 
-impl DistanceLooks {
+impl SampleBudget {
     pub fn new() -> Self {
-        DistanceLooks(MAX_LOOKS)
+        SampleBudget(MAX_SAMPLES)
     }
 
     /// The stretches of a leg in which two bodies are nearer than [`FAR_UM`]; `None` if the budget runs out.
@@ -59,10 +59,10 @@ impl DistanceLooks {
         while at < all {
             self.0 = self.0.checked_sub(1)?;
             let has_um = distance_um(at);
-            let moved_um = (has_um - FAR_UM).max(LOOK_SHARE * has_um).max(LOOK_UM);
+            let moved_um = (has_um - FAR_UM).max(SAMPLE_STEP_SHARE * has_um).max(SAMPLE_STEP_UM);
             let next = (at + moved_um / rate_um).min(all);
             let least_um = has_um - moved_um;
-            if least_um < FAR_UM && has_um < FAR_UM + LOOK_UM {
+            if least_um < FAR_UM && has_um < FAR_UM + SAMPLE_STEP_UM {
                 found.push(NearStretch { strokes: [at, next], least_um });
             }
             at = next;
@@ -103,9 +103,9 @@ impl WrittenPlan<'_> {
     }
 
     /// The stretches of a leg in which two robots are near to one another.
-    pub fn near(&self, looks: &mut DistanceLooks, [robot, other]: [usize; 2], leg: usize) -> Option<Vec<NearStretch>> {
+    pub fn near(&self, budget: &mut SampleBudget, [robot, other]: [usize; 2], leg: usize) -> Option<Vec<NearStretch>> {
         let rate_um = self.rate_um(robot, leg) + self.rate_um(other, leg);
-        looks.stretches(self.legs[leg].strokes, rate_um, |strokes| {
+        budget.stretches(self.legs[leg].strokes, rate_um, |strokes| {
             apart_um(&self.body(robot, leg, strokes), &self.body(other, leg, strokes))
         })
     }
@@ -122,7 +122,7 @@ pub fn apart_um(one: &BodyCorners, other: &BodyCorners) -> f64 {
 /// All passages of a plan, apart from those of robots and the partners with which they dock; `None` if the budget runs
 /// out.
 pub fn passages(plan: &WrittenPlan, are_docking: impl Fn([usize; 2], usize) -> bool) -> Option<Vec<Passage>> {
-    let (solids, mut looks, mut found) = (obstacles(plan.order), DistanceLooks::new(), Vec::new());
+    let (solids, mut budget, mut found) = (obstacles(plan.order), SampleBudget::new(), Vec::new());
     let least_um =
         |stretches: Vec<NearStretch>| stretches.iter().map(|stretch| stretch.least_um).min_by(f64::total_cmp);
     for leg in 0..plan.legs.len() {
@@ -131,12 +131,12 @@ pub fn passages(plan: &WrittenPlan, are_docking: impl Fn([usize; 2], usize) -> b
                 if are_docking([robot, other], leg) {
                     continue;
                 }
-                let near = least_um(plan.near(&mut looks, [robot, other], leg)?);
+                let near = least_um(plan.near(&mut budget, [robot, other], leg)?);
                 found.extend(near.map(|least_um| Passage { leg, robot, other: Some(other), least_um }));
             }
             for solid in solids.iter().filter(|_| plan.moves(robot, leg)) {
                 let distance_um = |strokes: f64| solid.distance_um(&plan.body(robot, leg, strokes), FAR_UM);
-                let near = looks.stretches(plan.legs[leg].strokes, plan.rate_um(robot, leg), distance_um)?;
+                let near = budget.stretches(plan.legs[leg].strokes, plan.rate_um(robot, leg), distance_um)?;
                 found.extend(least_um(near).map(|least_um| Passage { leg, robot, other: None, least_um }));
             }
         }

@@ -102,7 +102,7 @@ impl<'a> InspectedPlan<'a> {
 
 /// Largest multiple of the device's errors with which the plan as written certainly succeeds: 0 if nothing is known, at
 /// most `MAX_MULTIPLE`.
-pub fn borne(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> f64 {
+pub fn tolerated_multiple(order: &MicrorobotsOrder, motion: &MicrorobotsMotion) -> f64 {
     let plan = WrittenPlan::of(order, motion).and_then(|plan| InspectedPlan::of(plan, motion));
     let Some((plan, errors)) = plan.zip(order.facts.errors) else { return 0.0 };
     let is_sure = |multiple: f64| plan.pushed_um(&scaled(&errors, multiple)).is_some();

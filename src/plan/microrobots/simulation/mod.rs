@@ -22,7 +22,7 @@ mod report;
 mod trial;
 
 pub use disturbances::Disturbances;
-pub use report::{Dockings, Failures, ShareSpread, SimulationReport, Spread, wilson};
+pub use report::{DockingStatistics, Failures, ShareSpread, SimulationReport, Spread, wilson};
 pub use trial::{EndedTrial, FailureReason};
 
 use crate::claims::microrobots::MicrorobotsOrder;
@@ -133,7 +133,7 @@ fn run(mut trial: Trial, mut view: DisturbedView, pilot: &mut impl Pilot) -> End
         None => area::area_match(trial.order, &trial.poses, trial.structure),
         Some(_) => None,
     };
-    EndedTrial { failure, time_ns: trial.time_ns(), met: trial.met, area }
+    EndedTrial { failure, time_ns: trial.time_ns(), contacts: trial.contacts, area }
 }
 
 /// Measures, asks the pilot and drives, until the pilot ends.

@@ -1,7 +1,7 @@
 //! Statistics of the trials.
 
 use super::area::AreaMatch;
-use super::trial::{EndedTrial, FailureReason, Met, TrialFailure};
+use super::trial::{ContactRecord, EndedTrial, FailureReason, TrialFailure};
 use crate::plan::microrobots::control::ControlPhase;
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ pub struct Spread {
 
 /// How a robot reached its place, over all trials in which it at least met its structure; absolute errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Dockings {
+pub struct DockingStatistics {
     /// Index into the order's robots.
     pub robot: usize,
     /// Number of times that it met its structure.
@@ -72,7 +72,7 @@ pub struct SimulationReport {
     /// 95 % confidence interval of the share of successes.
     pub wilson: [f64; 2],
     /// In the order in which the robots are driven.
-    pub dockings: Vec<Dockings>,
+    pub dockings: Vec<DockingStatistics>,
     /// Times of the successful trials, in seconds.
     pub time_s: Spread,
     /// Share of the goal structure's area that the robots cover in the successful trials, where they stick.
@@ -136,26 +136,27 @@ impl SimulationReport {
     }
 }
 
-fn dockings(trials: &[EndedTrial]) -> Vec<Dockings> {
+fn dockings(trials: &[EndedTrial]) -> Vec<DockingStatistics> {
     let mut robots: Vec<usize> = Vec::new();
-    for met in trials.iter().flat_map(|trial| &trial.met) {
-        if !robots.contains(&met.robot) {
-            robots.push(met.robot);
+    for contact in trials.iter().flat_map(|trial| &trial.contacts) {
+        if !robots.contains(&contact.robot) {
+            robots.push(contact.robot);
         }
     }
     robots.into_iter().map(|robot| docking(robot, trials)).collect()
 }
 
-fn docking(robot: usize, trials: &[EndedTrial]) -> Dockings {
-    let all: Vec<&Met> = trials.iter().flat_map(|trial| &trial.met).filter(|met| met.robot == robot).collect();
-    let spread = |of: fn(&Met) -> f64| Spread::of(all.iter().map(|met| of(met).abs()).collect());
-    Dockings {
+fn docking(robot: usize, trials: &[EndedTrial]) -> DockingStatistics {
+    let all: Vec<&ContactRecord> =
+        trials.iter().flat_map(|trial| &trial.contacts).filter(|contact| contact.robot == robot).collect();
+    let spread = |of: fn(&ContactRecord) -> f64| Spread::of(all.iter().map(|contact| of(contact).abs()).collect());
+    DockingStatistics {
         robot,
         count: all.len() as u64,
-        across_um: spread(|met| met.across_um),
-        along_um: spread(|met| met.along_um),
-        incidence_rad: spread(|met| met.incidence_rad),
-        heading_rad: spread(|met| met.heading_rad),
+        across_um: spread(|contact| contact.across_um),
+        along_um: spread(|contact| contact.along_um),
+        incidence_rad: spread(|contact| contact.incidence_rad),
+        heading_rad: spread(|contact| contact.heading_rad),
     }
 }
 

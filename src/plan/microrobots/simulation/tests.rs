@@ -3,8 +3,8 @@ use crate::claims::fixture::bed_order;
 use crate::device::microrobots::fixture::{self, pose};
 use crate::device::microrobots::{Docking as Limits, Errors, Fine, MicrorobotsFacts, Robot, Turning};
 use crate::geometry::Pose;
-use crate::plan::microrobots::control::Segment;
-use crate::plan::microrobots::guarantee::{Containment, ContainmentCheck, guarantees};
+use crate::plan::microrobots::control::StrokeSegment;
+use crate::plan::microrobots::guarantee::{Containment, ContainmentCheck, estimated_containments};
 use crate::plan::microrobots::strategy::bent;
 use crate::plan::microrobots::{Crew, MicrorobotsStepMotion, RobotDocking};
 use crate::random::SplitMix64;
@@ -107,7 +107,7 @@ fn robots_that_are_not_driven_move_with_the_bed() {
     let stage = AssemblyStage::Single { robot: 0, states: [1, 0], approach: far, goal: far };
     let start = TrialStart { obstacles: &[], stages: &[&stage], poses: &poses, docked: &[false, false, true] };
     let mut trial = Trial::new(&order, none, start, 1, 0);
-    let segment = |state: usize, strokes: u64| Segment { state, strokes, sets_arms: true };
+    let segment = |state: usize, strokes: u64| StrokeSegment { state, strokes, sets_arms: true };
     // No arm is down in state 0, the first two are in state 2.
     assert_eq!(trial.carry_out(&[segment(0, 10_000)]), Ok(()));
     let [driven, other, docked] = trial.poses[..] else { panic!("three robots") };
@@ -159,14 +159,14 @@ fn what_is_guaranteed_does_not_fail() {
     let mut count = 0;
     for _ in 0..60 {
         let (order, motion) = drawn(&mut random);
-        let assured = guarantees(&order, &motion).expect("the errors are known");
-        if assured[0].violated().is_none() {
+        let estimated = estimated_containments(&order, &motion).expect("the errors are known");
+        if estimated[0].violated().is_none() {
             count += 1;
             let report = simulate(&order, &motion, 100, 11, 2).expect("the errors are known");
-            assert_eq!(report.successes, 100, "{:?} {:?}", report.failures, assured[0].containments);
+            assert_eq!(report.successes, 100, "{:?} {:?}", report.failures, estimated[0].containments);
             let docking = &report.dockings[0];
             let has = |check: ContainmentCheck| {
-                assured[0].containments.iter().find(|held| held.check == check).map(|held| held.needs)
+                estimated[0].containments.iter().find(|held| held.check == check).map(|held| held.needs)
             };
             let (needs_um, fine) = (has(ContainmentCheck::Place), order.facts.fine);
             // The estimate assumes that the place of the structure is known; the controller measures it.
@@ -189,8 +189,8 @@ fn published_errors_are_guaranteed() {
     for (replan_ms, turning) in [(50, right), (100, right), (300, right), (1000, right), (50, left), (300, left)] {
         let (mut order, motion) = single(pose(1500.0, 900.0, 30.0), turning, errors(replan_ms));
         Arc::make_mut(&mut order.facts).docking.tolerance_um = 7.0;
-        let assured = guarantees(&order, &motion).expect("the errors are known");
-        assert_eq!(assured[0].violated(), None, "{replan_ms}");
+        let estimated = estimated_containments(&order, &motion).expect("the errors are known");
+        assert_eq!(estimated[0].violated(), None, "{replan_ms}");
         let report = simulate(&order, &motion, 1000, 7, 2).expect("the errors are known");
         assert_eq!(report.successes, 1000);
     }
@@ -206,8 +206,8 @@ fn larger_errors_are_not_guaranteed_and_fail_more_often() {
         errors.turning_rad_per_um *= scale;
         let (mut order, motion) = single(pose(1500.0, 900.0, 30.0), Turning::Clockwise, errors);
         Arc::make_mut(&mut order.facts).docking.tolerance_um = 7.0;
-        let assured = guarantees(&order, &motion).expect("the errors are known");
-        assert_eq!(assured[0].violated().is_none(), scale == 1.0, "{scale}");
+        let estimated = estimated_containments(&order, &motion).expect("the errors are known");
+        assert_eq!(estimated[0].violated().is_none(), scale == 1.0, "{scale}");
         successes.push(simulate(&order, &motion, 300, 7, 2).map_or(0, |report| report.successes));
     }
     assert!(successes[0] == 300 && successes[1] < 300 && successes[2] < successes[1], "{successes:?}");
@@ -221,9 +221,9 @@ fn a_robot_in_the_way_is_run_into() {
     let wall =
         crate::claims::microrobots::MicrorobotsObstacle { name: "wall".into(), shape, pose: at, span: Span::default() };
     order.obstacles = Arc::new(vec![wall]);
-    let assured = guarantees(&order, &motion).expect("the errors are known");
+    let estimated = estimated_containments(&order, &motion).expect("the errors are known");
     let is_wall = |held: &&Containment| held.check == ContainmentCheck::Gross("wall".into());
-    assert!(assured[0].containments.iter().find(is_wall).is_some_and(|held| held.margin() < 0.0));
+    assert!(estimated[0].containments.iter().find(is_wall).is_some_and(|held| held.margin() < 0.0));
     let report = simulate(&order, &motion, 20, 7, 2).expect("the errors are known");
     assert_eq!(report.failures[0].reason, FailureReason::Collision("wall".into()));
 }
@@ -274,11 +274,11 @@ fn two_robots_surely_meet() {
         [(0.0, pose(400.0, 500.0, 10.0)), (0.2, pose(400.0, 500.0, 10.0)), (0.15, pose(350.0, 600.0, 190.0))]
     {
         let (order, motion) = pair(scaled(scale, 100), second);
-        let assured = guarantees(&order, &motion).expect("the errors are known");
-        assert_eq!(assured[0].violated(), None, "{scale}");
+        let estimated = estimated_containments(&order, &motion).expect("the errors are known");
+        assert_eq!(estimated[0].violated(), None, "{scale}");
         let report = simulate(&order, &motion, 300, 7, 2).expect("the errors are known");
         assert_eq!(report.successes, 300, "{:?}", report.failures);
-        let axes = assured[0].containments.iter().find(|held| held.check == ContainmentCheck::Axes);
+        let axes = estimated[0].containments.iter().find(|held| held.check == ContainmentCheck::Axes);
         assert!(axes.is_some_and(|held| report.dockings[0].across_um.max <= held.needs));
     }
 }
@@ -286,8 +286,8 @@ fn two_robots_surely_meet() {
 #[test]
 fn with_published_errors_two_robots_mostly_meet() {
     let (order, motion) = pair(errors(100), pose(400.0, 500.0, 10.0));
-    let assured = guarantees(&order, &motion).expect("the errors are known");
-    assert!(assured[0].violated().is_some());
+    let estimated = estimated_containments(&order, &motion).expect("the errors are known");
+    assert!(estimated[0].violated().is_some());
     let report = simulate(&order, &motion, 200, 7, 2).expect("the errors are known");
     assert!((170..=200).contains(&report.successes), "{:?}", report.failures);
 }
@@ -323,12 +323,12 @@ fn three(errors: Errors) -> (MicrorobotsOrder, MicrorobotsMotion) {
 fn a_third_robot_follows_the_structure() {
     let (mut order, motion) = three(scaled(0.1, 100));
     Arc::make_mut(&mut order.facts).docking.tolerance_um = 7.0;
-    let assured = guarantees(&order, &motion).expect("the errors are known");
-    assert_eq!(assured.iter().map(|stage| stage.robots.len()).collect::<Vec<_>>(), [2, 1]);
-    assert_eq!(assured[0].violated(), None);
+    let estimated = estimated_containments(&order, &motion).expect("the errors are known");
+    assert_eq!(estimated.iter().map(|stage| stage.robots.len()).collect::<Vec<_>>(), [2, 1]);
+    assert_eq!(estimated[0].violated(), None);
     // The possible displacement of the structure is counted twice near the structure itself, so the room seems too
     // small.
-    assert!(assured[1].violated().is_none_or(|held| held.check == ContainmentCheck::Gross("D3".into())));
+    assert!(estimated[1].violated().is_none_or(|held| held.check == ContainmentCheck::Gross("D3".into())));
     let report = simulate(&order, &motion, 300, 7, 2).expect("the errors are known");
     assert_eq!(report.successes, 300, "{:?}", report.failures);
     assert_eq!(report.dockings.iter().map(|docking| docking.robot).collect::<Vec<_>>(), [2, 1, 0]);

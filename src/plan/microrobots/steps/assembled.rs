@@ -9,17 +9,17 @@
 use super::super::assembly::{
     self, Assembled, AssemblyTerms, CYCLES, DIRECT, DIRECT_PAIR, PlannedFineMotions, StuckAssembly,
 };
-use super::super::departure::Departure;
-use super::super::gathering::Gathering;
-use super::super::world::{BedPoses, FirstMeeting};
+use super::super::initial_leg_search::InitialLegSearch;
+use super::super::initial_legs::InitialLegs;
+use super::super::world::{BedPoses, FirstCollision};
 use super::super::{AssemblyStage, Leg, MicrorobotsStepMotion};
-use super::{BEST_SEED, BedStepPlanner, DEPARTURE_SHARE, FirstLegs, MAX_DEPARTURES};
+use super::{BEST_SEED, BedStepPlanner, INITIAL_LEGS_SHARE, InitialLegChoice, MAX_INITIAL_DRAWS};
 use crate::claims::microrobots::Dock;
 use crate::device::microrobots::MicrorobotsObjective;
 use crate::diagnostic::Sink;
 use crate::geometry::Pose;
 use crate::plan::search::{Meter, SearchBudget};
-use crate::plan::watch::HeldPlan;
+use crate::plan::watch::IncumbentPlan;
 use crate::random::SplitMix64;
 
 /// Descents to initial legs of an assembly, and variations of the best of them that are planned.
@@ -30,7 +30,7 @@ const VARIATIONS: usize = 16;
 enum NoAssembly {
     Stuck(StuckAssembly),
     /// A robot has been turning since the previous step, and meets something.
-    StillTurning(FirstMeeting),
+    StillTurning(FirstCollision),
 }
 
 /// A plan of the step.
@@ -39,17 +39,16 @@ struct AssemblyCandidate {
     /// Whether the closed loop is known to have room.
     is_steered: bool,
     /// The initial legs, if there are any.
-    departure: Option<Departure>,
+    initial: Option<InitialLegs>,
 }
 
 impl BedStepPlanner<'_> {
     /// Returns the best assembly found; `None` after its error was pushed (drawn initial legs push none).
     pub fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
-        let gathering = Gathering::new(self.order, self.roomy, self.world, self.bed, docks);
-        if let FirstLegs::Drawn(seed) = self.first_legs {
-            let mut meter = Meter::new(self.share(DEPARTURE_SHARE));
-            return gathering
-                .and_then(|gathering| self.after(gathering.descend(seed)?, docks, &mut meter, self.fine_motions()));
+        let search = InitialLegSearch::new(self.order, self.roomy, self.world, self.bed, docks);
+        if let InitialLegChoice::Drawn(seed) = self.initial_legs {
+            let mut meter = Meter::new(self.share(INITIAL_LEGS_SHARE));
+            return search.and_then(|search| self.after(search.descend(seed)?, docks, &mut meter, self.fine_motions()));
         }
         let budget = SearchBudget::of(self.order.expansions);
         let terms = AssemblyTerms { fine: self.fine_motions(), most_stages: assembly::MAX_PLANS };
@@ -59,16 +58,16 @@ impl BedStepPlanner<'_> {
             matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
         if let (Err(_), false) = (&direct, is_in_vain) {
             let goals: Vec<(usize, Pose)> = docks.iter().map(|dock| (dock.robot, dock.goal.pose)).collect();
-            if let Some((doomed, strokes)) = self.doomed(&goals) {
-                sink.push(self.why().doomed(&doomed, strokes));
+            if let Some((collision, strokes)) = self.inevitable_collision(&goals) {
+                sink.push(self.why().inevitable_collision(&collision, strokes));
                 return None;
             }
         }
         let meter = &mut Meter::new(budget);
         let mut best = direct.as_ref().ok().map(|motion| self.steered(motion.clone(), None, docks, meter));
-        let _held = best.as_ref().map(|best| HeldPlan::begin(|| self.summary(best.motion.legs())));
-        if !is_in_vain && self.first_legs != FirstLegs::None {
-            self.gather(gathering.as_ref(), meter, docks, &mut best);
+        let _held = best.as_ref().map(|best| IncumbentPlan::begin(|| self.summary(best.motion.legs())));
+        if !is_in_vain && self.initial_legs != InitialLegChoice::None {
+            self.try_initial_legs(search.as_ref(), meter, docks, &mut best);
         }
         if let (None, Err(none)) = (&best, &direct) {
             let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
@@ -98,30 +97,30 @@ impl BedStepPlanner<'_> {
     }
 
     /// Replaces the given assembly by the best one after initial legs, if that is better.
-    fn gather(
+    fn try_initial_legs(
         &self,
-        gathering: Option<&Gathering>,
+        search: Option<&InitialLegSearch>,
         meter: &mut Meter,
         docks: &[Dock],
         best: &mut Option<AssemblyCandidate>,
     ) {
         for seed in 1..=DESCENTS {
-            if let Some(departure) = gathering.and_then(|gathering| gathering.descend(seed)) {
-                self.improve(departure, docks, meter, best);
+            if let Some(initial) = search.and_then(|search| search.descend(seed)) {
+                self.improve(initial, docks, meter, best);
             }
         }
         let mut random = SplitMix64::new(BEST_SEED);
         for _ in 0..VARIATIONS {
-            let legs = best.as_ref().and_then(|best| best.departure.as_ref());
-            let varied = gathering.zip(legs).and_then(|(gathering, legs)| gathering.varied(legs, &mut random));
-            if let Some(departure) = varied {
-                self.improve(departure, docks, meter, best);
+            let legs = best.as_ref().and_then(|best| best.initial.as_ref());
+            let varied = search.zip(legs).and_then(|(search, legs)| search.varied(legs, &mut random));
+            if let Some(initial) = varied {
+                self.improve(initial, docks, meter, best);
             }
         }
         if best.is_none() {
             let goals = docks.iter().map(|dock| dock.goal.pose);
-            for departure in self.departures(goals, BEST_SEED).take(MAX_DEPARTURES) {
-                self.improve(departure, docks, meter, best);
+            for initial in self.random_initial_legs(goals, BEST_SEED).take(MAX_INITIAL_DRAWS) {
+                self.improve(initial, docks, meter, best);
                 if best.is_some() {
                     return;
                 }
@@ -130,18 +129,18 @@ impl BedStepPlanner<'_> {
     }
 
     /// Replaces the best assembly by the one after these initial legs, if that is better.
-    fn improve(&self, departure: Departure, docks: &[Dock], meter: &mut Meter, best: &mut Option<AssemblyCandidate>) {
+    fn improve(&self, initial: InitialLegs, docks: &[Dock], meter: &mut Meter, best: &mut Option<AssemblyCandidate>) {
         let is_late = |legs: &[Leg]| {
             best.as_ref().is_some_and(|best| best.is_steered && self.cost(best.motion.legs()) <= self.cost(legs))
         };
-        if is_late(&departure.legs) {
+        if is_late(&initial.legs) {
             return;
         }
-        let Some(found) = self.after(departure.clone(), docks, meter, self.fine_motions()) else { return };
+        let Some(found) = self.after(initial.clone(), docks, meter, self.fine_motions()) else { return };
         if is_late(found.legs()) {
             return;
         }
-        let found = self.steered(found, Some(departure), docks, meter);
+        let found = self.steered(found, Some(initial), docks, meter);
         let rank = |one: &AssemblyCandidate| (!one.is_steered, self.cost(one.motion.legs()));
         if best.as_ref().is_none_or(|best| rank(&found) < rank(best)) {
             *best = Some(found);
@@ -151,14 +150,14 @@ impl BedStepPlanner<'_> {
     /// Plans the assembly after initial legs, on a share of the step's expansions.
     fn after(
         &self,
-        Departure { mut legs, bed }: Departure,
+        InitialLegs { mut legs, bed }: InitialLegs,
         docks: &[Dock],
         meter: &mut Meter,
         fine: PlannedFineMotions,
     ) -> Option<MicrorobotsStepMotion> {
         let state = legs.last().map(|leg| leg.state);
         let terms = AssemblyTerms { fine, most_stages: assembly::MAX_MORE_PLANS };
-        let share = self.share(DEPARTURE_SHARE).steps;
+        let share = self.share(INITIAL_LEGS_SHARE).steps;
         let assembly = meter.share(share, |meter| self.assembly(&bed, state, docks, meter, terms));
         let MicrorobotsStepMotion::Legs { legs: later, docks: mut docking, mut stages } = assembly.ok()? else {
             return None;
@@ -166,10 +165,10 @@ impl BedStepPlanner<'_> {
         if legs.last().map(|leg| leg.state) == later.first().map(|leg| leg.state) {
             return None;
         }
-        stages.insert(0, AssemblyStage::Departure { legs: legs.len() });
+        stages.insert(0, AssemblyStage::InitialLegs { legs: legs.len() });
         docking.iter_mut().for_each(|dock| dock.leg += legs.len());
         legs.extend(later);
-        let is_free = self.bed.first_hit(self.world, &legs, &docking).is_none();
+        let is_free = self.bed.first_collision(self.world, &legs, &docking).is_none();
         is_free.then_some(MicrorobotsStepMotion::Legs { legs, docks: docking, stages })
     }
 
@@ -178,28 +177,28 @@ impl BedStepPlanner<'_> {
     fn steered(
         &self,
         motion: MicrorobotsStepMotion,
-        departure: Option<Departure>,
+        initial: Option<InitialLegs>,
         docks: &[Dock],
         meter: &mut Meter,
     ) -> AssemblyCandidate {
         if !self.has_errors() || self.order.objective == MicrorobotsObjective::Failures {
-            return AssemblyCandidate { motion, is_steered: true, departure };
+            return AssemblyCandidate { motion, is_steered: true, initial };
         }
         let terms = AssemblyTerms { fine: CYCLES, most_stages: assembly::MAX_MORE_PLANS };
-        let with_cycles = match &departure {
-            Some(departure) => self.after(departure.clone(), docks, meter, CYCLES),
-            None => meter.share(self.share(DEPARTURE_SHARE).steps, |meter| {
+        let with_cycles = match &initial {
+            Some(initial) => self.after(initial.clone(), docks, meter, CYCLES),
+            None => meter.share(self.share(INITIAL_LEGS_SHARE).steps, |meter| {
                 self.assembly(self.bed, None, docks, meter, terms).ok()
             }),
         };
         match with_cycles {
-            None => AssemblyCandidate { motion, is_steered: false, departure },
+            None => AssemblyCandidate { motion, is_steered: false, initial },
             Some(other) if self.cost(other.legs()) <= self.cost(motion.legs()) => {
-                AssemblyCandidate { motion: other, is_steered: true, departure }
+                AssemblyCandidate { motion: other, is_steered: true, initial }
             }
             Some(other) => {
-                let (motion, is_steered) = with_ways_of(motion, &other);
-                AssemblyCandidate { motion, is_steered, departure }
+                let (motion, is_steered) = with_paths_of(motion, &other);
+                AssemblyCandidate { motion, is_steered, initial }
             }
         }
     }
@@ -216,7 +215,7 @@ impl BedStepPlanner<'_> {
         let assembled = assembly::assemble(self.roomy, &bed.poses, &bed.docked, state, docks, meter, terms);
         let Assembled { legs, docks, stages, .. } = assembled.map_err(NoAssembly::Stuck)?;
         // The assembly was planned from rest, but a robot may have been turning since the previous step.
-        match bed.first_hit(self.world, &legs, &docks) {
+        match bed.first_collision(self.world, &legs, &docks) {
             Some(hit) => Err(NoAssembly::StillTurning(hit)),
             None => Ok(MicrorobotsStepMotion::Legs { legs, docks, stages }),
         }
@@ -225,8 +224,8 @@ impl BedStepPlanner<'_> {
 
 /// Lets the closed loop drive the first two robots of a plan on the paths of another plan from the same poses. Also
 /// returns whether both begin alike: with the same two robots, or with a single one.
-fn with_ways_of(motion: MicrorobotsStepMotion, other: &MicrorobotsStepMotion) -> (MicrorobotsStepMotion, bool) {
-    let (first_of, departs) = (first_stage(motion.stages()), first_legs(motion.stages()));
+fn with_paths_of(motion: MicrorobotsStepMotion, other: &MicrorobotsStepMotion) -> (MicrorobotsStepMotion, bool) {
+    let (first_of, initial) = (first_stage(motion.stages()), initial_legs(motion.stages()));
     let MicrorobotsStepMotion::Legs { legs, docks, mut stages } = motion else { return (motion, false) };
     let MicrorobotsStepMotion::Legs { legs: ways, docks: docking, stages: theirs } = other else {
         return (MicrorobotsStepMotion::Legs { legs, docks, stages }, false);
@@ -238,7 +237,7 @@ fn with_ways_of(motion: MicrorobotsStepMotion, other: &MicrorobotsStepMotion) ->
             Some(AssemblyStage::Pair { first: other, second: beside, .. }),
         ) if (first, second) == (other, beside) => {
             let end = docking.iter().filter(|dock| dock.robot == *first).map(|dock| dock.leg + 1).max();
-            let ways = ways.get(departs..end.unwrap_or(departs)).unwrap_or_default();
+            let ways = ways.get(initial..end.unwrap_or(initial)).unwrap_or_default();
             let begin = |stages: &[AssemblyStage]| stages.iter().position(is_of_pair).unwrap_or_default();
             let last = first_stage(theirs).unwrap_or_default();
             let mut pair = theirs[begin(theirs)..=last].to_vec();
@@ -254,9 +253,9 @@ fn with_ways_of(motion: MicrorobotsStepMotion, other: &MicrorobotsStepMotion) ->
 }
 
 /// Number of legs before the assembly proper.
-fn first_legs(stages: &[AssemblyStage]) -> usize {
+fn initial_legs(stages: &[AssemblyStage]) -> usize {
     match stages.first() {
-        Some(AssemblyStage::Departure { legs }) => *legs,
+        Some(AssemblyStage::InitialLegs { legs }) => *legs,
         Some(AssemblyStage::Escort { .. } | AssemblyStage::Pair { .. } | AssemblyStage::Single { .. }) | None => 0,
     }
 }

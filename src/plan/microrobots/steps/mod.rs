@@ -1,18 +1,18 @@
 //! The steps of a job of microrobots, planned one after the other from the current poses.
 //!
 //! After each step every robot is where the strokes have carried it, so a step without a plan leaves the later ones
-//! without a start: the job ends there. A step may begin with initial legs that move the whole bed (`departure`,
-//! `gathering`); the best plan by the objective is kept.
+//! without a start: the job ends there. A step may begin with initial legs that move the whole bed (`initial_legs`,
+//! `initial_leg_search`); the best plan by the objective is kept.
 
 mod assembled;
 
 use super::bound::together::{self, RobotArrival};
-use super::departure::{Departure, Departures};
-use super::doom::{self, DoomedRobot};
-use super::drive::{self, Drive};
+use super::collision_proof::{self, InevitableCollision};
+use super::drive::{self, DriveRequest};
 use super::free;
+use super::initial_legs::{InitialLegs, RandomInitialLegs};
 use super::why::BedReasons;
-use super::world::{BedPoses, World};
+use super::world::{BedPoses, CollisionWorld};
 use super::{AssemblyStage, Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, legs_cost, legs_ns};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep, MicrorobotsStop};
 use crate::device::microrobots::{Arm, MicrorobotsObjective};
@@ -28,7 +28,7 @@ pub struct BedRoute {
 
 /// Initial legs that a step may begin with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FirstLegs {
+pub enum InitialLegChoice {
     /// None, or those with which a step is best by the objective.
     Best,
     /// None for an assembly, the best ones for other steps.
@@ -39,21 +39,21 @@ pub enum FirstLegs {
 
 /// Plans the steps of a job one after the other; `None` after an error was pushed for one of them. `roomy` is the order
 /// with the clearances that an assembly keeps after its initial legs, no smaller than the order's own.
-pub fn carried_out(
+pub fn plan_steps(
     order: &MicrorobotsOrder,
     roomy: &MicrorobotsOrder,
     start: &Crew,
     is_first: bool,
-    first_legs: FirstLegs,
+    initial_legs: InitialLegChoice,
     sink: &mut Sink,
 ) -> Option<BedRoute> {
-    let world = World::new(order);
+    let world = CollisionWorld::new(order);
     let mut bed = BedPoses::new(start.poses.clone(), start.docked.clone());
     let mut steps = Vec::with_capacity(order.steps.len());
     let mut is_given = is_first;
     for step in &order.steps {
         let motion =
-            BedStepPlanner { order, roomy, world: &world, bed: &bed, step, is_given, first_legs }.done(sink)?;
+            BedStepPlanner { order, roomy, world: &world, bed: &bed, step, is_given, initial_legs }.planned(sink)?;
         is_given &= matches!(step.action, MicrorobotsAction::Wait(_) | MicrorobotsAction::Apply { .. });
         match &motion {
             MicrorobotsStepMotion::Legs { legs, docks, .. } => bed.follow(&world, legs, docks),
@@ -69,36 +69,36 @@ pub fn carried_out(
 struct BedStepPlanner<'a> {
     order: &'a MicrorobotsOrder,
     roomy: &'a MicrorobotsOrder,
-    world: &'a World,
+    world: &'a CollisionWorld,
     bed: &'a BedPoses,
     step: &'a MicrorobotsStep,
     /// Whether every plan leads to this state of the bed: no drive so far left a choice.
     is_given: bool,
-    first_legs: FirstLegs,
+    initial_legs: InitialLegChoice,
 }
 
-/// Most departures that are tried for a step.
-const MAX_DEPARTURES: usize = 40;
+/// Most draws of initial legs that are tried for a step.
+const MAX_INITIAL_DRAWS: usize = 40;
 
-/// Each of them may expand 1/`DEPARTURE_SHARE` of the step's budget.
-const DEPARTURE_SHARE: u64 = 16;
+/// Each of them may expand 1/`INITIAL_LEGS_SHARE` of the step's budget.
+const INITIAL_LEGS_SHARE: u64 = 16;
 
-/// The same for a drive: its first attempt without a departure, and each attempt with one; they get more only if these
-/// find nothing.
+/// The same for a drive: its first attempt without initial legs, and each attempt with some; they get more only if
+/// these find nothing.
 const FIRST_SHARE: u64 = 50;
 const DRIVE_SHARE: u64 = 200;
 
-/// Departures for a drive without a plan so far, and the small share for each: the few that help mostly leave a clear
-/// path.
-const MANY_DEPARTURES: usize = 1_000;
+/// Draws of initial legs for a drive without a plan so far, and the small share for each: the few that help mostly
+/// leave a clear path.
+const MANY_INITIAL_DRAWS: usize = 1_000;
 const SMALL_SHARE: u64 = 2_000;
 
-/// Seed of the departures among which the best is chosen, and of the many.
+/// Seed of the draws among which the best is chosen, and of the many.
 const BEST_SEED: u64 = 1;
 const MANY_SEED: u64 = 2;
 
 impl<'a> BedStepPlanner<'a> {
-    fn done(&self, sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
+    fn planned(&self, sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
         match &self.step.action {
             MicrorobotsAction::Wait(duration_ns) => Some(MicrorobotsStepMotion::Wait(*duration_ns)),
             MicrorobotsAction::Apply { state, duration_ns } => self.applied(*state, *duration_ns, sink),
@@ -118,7 +118,7 @@ impl<'a> BedStepPlanner<'a> {
             sink.push(self.why().lowers_docked(state, robot));
             return None;
         }
-        if let Some(hit) = self.bed.first_hit(self.world, &[leg], &[]) {
+        if let Some(hit) = self.bed.first_collision(self.world, &[leg], &[]) {
             sink.push(self.why().applied_into(&hit));
             return None;
         }
@@ -127,7 +127,7 @@ impl<'a> BedStepPlanner<'a> {
 
     fn driven(&self, robot: usize, stops: &[MicrorobotsStop], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
         let poses: Vec<Pose> = stops.iter().map(|stop| stop.pose).collect();
-        let request = Drive { order: self.order, world: self.world, bed: self.bed, robot, stops: &poses };
+        let request = DriveRequest { order: self.order, world: self.world, bed: self.bed, robot, stops: &poses };
         let direct = drive::drive(&request, self.share(FIRST_SHARE));
         match &direct {
             Ok(driven) if driven.direct => return Some(plain(driven.legs.clone())),
@@ -138,15 +138,15 @@ impl<'a> BedStepPlanner<'a> {
             Ok(_) => {}
             Err(_) => {
                 let goals: Vec<(usize, Pose)> = poses.iter().map(|pose| (robot, *pose)).collect();
-                if let Some((doomed, strokes)) = self.doomed(&goals) {
-                    sink.push(self.why().doomed(&doomed, strokes));
+                if let Some((collision, strokes)) = self.inevitable_collision(&goals) {
+                    sink.push(self.why().inevitable_collision(&collision, strokes));
                     return None;
                 }
             }
         }
         let best = direct.ok().map(|driven| driven.legs);
-        let few = || self.departures(poses.iter().copied(), BEST_SEED).take(MAX_DEPARTURES);
-        let many = || self.departures(poses.iter().copied(), MANY_SEED).take(MANY_DEPARTURES);
+        let few = || self.random_initial_legs(poses.iter().copied(), BEST_SEED).take(MAX_INITIAL_DRAWS);
+        let many = || self.random_initial_legs(poses.iter().copied(), MANY_SEED).take(MANY_INITIAL_DRAWS);
         let best = self.driven_after_legs(&request, best, few(), self.share(DRIVE_SHARE));
         let best = best.or_else(|| self.driven_after_legs(&request, None, many(), self.share(SMALL_SHARE)));
         if best.is_some() {
@@ -155,7 +155,7 @@ impl<'a> BedStepPlanner<'a> {
         match drive::drive(&request, self.share(1)) {
             Ok(driven) => Some(plain(driven.legs)),
             Err(stuck) => {
-                let found = self.driven_after_legs(&request, None, few(), self.share(DEPARTURE_SHARE));
+                let found = self.driven_after_legs(&request, None, few(), self.share(INITIAL_LEGS_SHARE));
                 if found.is_none() {
                     sink.push(self.why().not_driven(robot, &stuck, stops));
                 }
@@ -167,7 +167,7 @@ impl<'a> BedStepPlanner<'a> {
     /// A robot that meets an obstacle before the step can end, whatever states are driven, and the strokes that it
     /// would need: up to its own goals or, if it has none, until the others are at theirs. `None` also if some plan may
     /// begin the step elsewhere.
-    fn doomed(&self, goals: &[(usize, Pose)]) -> Option<(DoomedRobot, u64)> {
+    fn inevitable_collision(&self, goals: &[(usize, Pose)]) -> Option<(InevitableCollision, u64)> {
         let BedPoses { poses, docked, .. } = self.bed;
         let arrival = |(robot, goal): &(usize, Pose)| RobotArrival::of(self.order, *robot, poses[*robot], *goal);
         let all = goals.iter().filter(|(robot, _)| !docked[*robot]);
@@ -186,26 +186,31 @@ impl<'a> BedStepPlanner<'a> {
         let moving = (0..self.world.count()).filter(|robot| self.is_given && !docked[*robot]);
         moving.into_iter().find_map(|robot| {
             let strokes = needed(robot);
-            let doomed = doom::doomed(self.world, robot, poses[robot], self.world.way_um(robot, strokes));
-            doomed.map(|doomed| (doomed, strokes))
+            let collision = collision_proof::inevitable_collision(
+                self.world,
+                robot,
+                poses[robot],
+                self.world.way_um(robot, strokes),
+            );
+            collision.map(|collision| (collision, strokes))
         })
     }
 
-    /// Returns the best of the drives after departures and of the given one.
+    /// Returns the best of the drives after initial legs and of the given one.
     fn driven_after_legs(
         &self,
-        request: &Drive,
+        request: &DriveRequest,
         direct: Option<Vec<Leg>>,
-        departures: impl Iterator<Item = Departure>,
+        draws: impl Iterator<Item = InitialLegs>,
         budget: SearchBudget,
     ) -> Option<Vec<Leg>> {
         let (robot, stops) = (request.robot, request.stops);
         let mut best = direct;
-        for Departure { mut legs, bed } in departures {
+        for InitialLegs { mut legs, bed } in draws {
             if best.as_ref().is_some_and(|best| self.cannot_beat(best, &legs, robot, bed.poses[robot], stops)) {
                 continue;
             }
-            let after = Drive { bed: &bed, ..*request };
+            let after = DriveRequest { bed: &bed, ..*request };
             let Ok(driven) = drive::drive(&after, budget) else { continue };
             // A stop must be met at the end of a leg of the drive, not before its first leg.
             let (Some(first), false) = (driven.legs.first(), driven.met.contains(&0)) else { continue };
@@ -216,7 +221,7 @@ impl<'a> BedStepPlanner<'a> {
                 legs.extend(&driven.legs);
             }
             let is_better = best.as_ref().is_none_or(|best| self.cost(&legs) < self.cost(best));
-            if is_better && self.bed.first_hit(self.world, &legs, &[]).is_none() {
+            if is_better && self.bed.first_collision(self.world, &legs, &[]).is_none() {
                 best = Some(legs);
             }
         }
@@ -243,9 +248,9 @@ impl<'a> BedStepPlanner<'a> {
         }
     }
 
-    /// Departures for a step with these goals.
-    fn departures(&self, goals: impl Iterator<Item = Pose>, seed: u64) -> Departures<'_> {
-        Departures::new(self.order, self.world, self.bed, goals, seed)
+    /// Initial legs for a step with these goals.
+    fn random_initial_legs(&self, goals: impl Iterator<Item = Pose>, seed: u64) -> RandomInitialLegs<'_> {
+        RandomInitialLegs::new(self.order, self.world, self.bed, goals, seed)
     }
 
     /// Cost of a step's legs: the objective's figure, then the other one to break ties.

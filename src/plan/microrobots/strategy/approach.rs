@@ -1,6 +1,6 @@
 //! Fine motion: the curvature with which a robot docks in its place.
 
-use super::Driver;
+use super::SteeringModel;
 use crate::device::microrobots::{Robot, wrapped_rad};
 use crate::geometry::Pose;
 use crate::real::Real;
@@ -119,9 +119,9 @@ pub fn bent(pose: Pose, turn_per_um: f64, way_um: f64) -> Pose {
 
 /// The share of turning, within bounds, that docks a robot in its place; and the lateral offset from its place with
 /// that share, 0 if the place is within reach.
-pub fn steered(driver: &Driver, frame: &GoalFrame, measured: Pose, [least, most]: [f64; 2]) -> (f64, f64) {
+pub fn steered(model: &SteeringModel, frame: &GoalFrame, measured: Pose, [least, most]: [f64; 2]) -> (f64, f64) {
     let seen = frame.seen(measured);
-    let per_um = 1.0 / driver.robot.turning_radius_um;
+    let per_um = 1.0 / model.robot.turning_radius_um;
     let across = |share: f64| frame.met(seen, share * per_um).map_or(f64::INFINITY, |contact| contact.across_um);
     let (mut low, mut high) = (least, most);
     let (at_low_um, at_high_um) = (across(low), across(high));

@@ -1,6 +1,6 @@
 //! The first two robots: making their paths end at the same time, and steering both with one cycle.
 
-use super::{Driver, GoalFrame, Phase, Pursuit, steered};
+use super::{GoalFrame, Phase, Pursuit, SteeringModel, steered};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::real::Real;
@@ -27,7 +27,7 @@ const LEAST_EFFECT: f64 = 0.2;
 /// Two robots that must meet.
 #[derive(Debug, Clone)]
 pub struct Couple<'a> {
-    pub drivers: [Driver<'a>; 2],
+    pub models: [SteeringModel<'a>; 2],
     /// Path length of the second robot per micrometre of the first.
     pub ratio: f64,
     /// Poses at which the fine motion begins.
@@ -48,15 +48,15 @@ impl<'a> Couple<'a> {
         intermediate: Pose,
         approach: [Pose; 2],
     ) -> Option<Self> {
-        let drivers = [Driver::new(order, first)?, Driver::new(order, second)?];
-        let ratio = drivers[1].robot.step_um / drivers[0].robot.step_um;
+        let models = [SteeringModel::new(order, first)?, SteeringModel::new(order, second)?];
+        let ratio = models[1].robot.step_um / models[0].robot.step_um;
         let missed_um = MISSED_SHARE * order.facts.fine.length_um;
-        Some(Couple { drivers, ratio, approach, missed_um, intermediate, back_um: 0.0, slid_um: 0.0 })
+        Some(Couple { models, ratio, approach, missed_um, intermediate, back_um: 0.0, slid_um: 0.0 })
     }
 
     /// Most that the intermediate pose slides.
     pub fn slide_um(&self) -> f64 {
-        SLIDE_SHARE * self.drivers[0].robot.turning_radius_um
+        SLIDE_SHARE * self.models[0].robot.turning_radius_um
     }
 
     /// Pose at which the first robot's own drive should end, moved back by its slide.
@@ -68,7 +68,7 @@ impl<'a> Couple<'a> {
     }
 
     fn circle_um(&self) -> f64 {
-        TAU * self.drivers[1].robot.turning_radius_um / self.ratio
+        TAU * self.models[1].robot.turning_radius_um / self.ratio
     }
 
     /// Largest distance by which one may be ahead when the first begins its run.
@@ -79,7 +79,7 @@ impl<'a> Couple<'a> {
     /// Gives the second robot the time that it needs, by starting the first robot's run farther back or less far back
     /// than planned: the paper's bound t_4π on a run that must be repeated.
     pub fn give_time(&mut self, second: &Pursuit, measured: Pose, round: usize) {
-        let least_um = second.least_um(&self.drivers[1], measured) / self.ratio;
+        let least_um = second.least_um(&self.models[1], measured) / self.ratio;
         (self.back_um, self.slid_um) = (0.0, 0.0);
         let short_um = least_um - self.run_um(self.intermediate()) - self.begun_um();
         let circles = (short_um / self.circle_um()).ceil();
@@ -89,7 +89,7 @@ impl<'a> Couple<'a> {
 
     /// Whether the second robot has time for another circle of its orbit before it leaves it.
     pub fn has_time(&self, second: &Pursuit, measured: [Pose; 2]) -> bool {
-        let spare_um = self.run_um(measured[0]) - second.left_um(&self.drivers[1], measured[1]) / self.ratio;
+        let spare_um = self.run_um(measured[0]) - second.left_um(&self.models[1], measured[1]) / self.ratio;
         spare_um > 0.75 * self.circle_um()
     }
 
@@ -105,10 +105,10 @@ impl<'a> Couple<'a> {
         let first_um = match pursuits[0].phase {
             Phase::Arrived => self.run_um(measured[0]),
             Phase::Facing | Phase::Running | Phase::Finishing | Phase::Turning => {
-                pursuits[0].left_um(&self.drivers[0], measured[0]) + self.run_um(self.intermediate())
+                pursuits[0].left_um(&self.models[0], measured[0]) + self.run_um(self.intermediate())
             }
         };
-        let second_um = pursuits[1].left_um(&self.drivers[1], measured[1]) / self.ratio;
+        let second_um = pursuits[1].left_um(&self.models[1], measured[1]) / self.ratio;
         let circle_um = self.circle_um();
         let late_um = (first_um - second_um).rem_euclid(circle_um);
         if late_um > circle_um / 2.0 { late_um - circle_um } else { late_um }
@@ -127,27 +127,27 @@ impl<'a> Couple<'a> {
 
     fn aim(&mut self, pursuit: &mut Pursuit, slid_um: f64) {
         self.slid_um = slid_um;
-        pursuit.aim(&self.drivers[0], self.intermediate());
+        pursuit.aim(&self.models[0], self.intermediate());
     }
 
     /// The centre of a loop of the first robot that compensates for its being late: the paper's racetrack, beside the
     /// line.
     pub fn racetrack(&self, late_um: f64) -> [f64; 2] {
-        let driver = &self.drivers[0];
-        let circles_um = [driver, &self.drivers[1]].map(|driver| TAU * driver.robot.turning_radius_um);
+        let model = &self.models[0];
+        let circles_um = [model, &self.models[1]].map(|model| TAU * model.robot.turning_radius_um);
         let run_um = (-late_um - circles_um[0]).rem_euclid(circles_um[1] / self.ratio) / 2.0;
-        let [x_um, y_um] = driver.robot.orbit_centre_um(self.intermediate());
-        let (sin, cos) = (self.approach[0].heading_rad + driver.side() * FRAC_PI_2).sine_cosine();
+        let [x_um, y_um] = model.robot.orbit_centre_um(self.intermediate());
+        let (sin, cos) = (self.approach[0].heading_rad + model.side() * FRAC_PI_2).sine_cosine();
         [x_um + run_um * cos, y_um + run_um * sin]
     }
 
     /// Frames of both goals, with their edges where the robots will meet.
     pub fn frames(&self, goals: [Pose; 2], measured: [Pose; 2]) -> [GoalFrame; 2] {
-        let mut frames = [0, 1].map(|at| GoalFrame::new(self.drivers[at].robot, goals[at], 0.0));
+        let mut frames = [0, 1].map(|at| GoalFrame::new(self.models[at].robot, goals[at], 0.0));
         let ways_um = [0, 1].map(|at| {
-            let (share, _) = steered(&self.drivers[at], &frames[at], measured[at], SHARES[at]);
+            let (share, _) = steered(&self.models[at], &frames[at], measured[at], SHARES[at]);
             let seen = frames[at].seen(measured[at]);
-            let contact = frames[at].met(seen, share / self.drivers[at].robot.turning_radius_um);
+            let contact = frames[at].met(seen, share / self.models[at].robot.turning_radius_um);
             contact.map_or(frames[at].gap_um(seen), |contact| contact.way_um)
         });
         let met_um = (ways_um[0] + ways_um[1]) / (1.0 + self.ratio);

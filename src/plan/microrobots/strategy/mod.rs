@@ -12,9 +12,9 @@
 //! bound on the curvature and u the uncertainty of the measured direction, the true direction of the target stays on
 //! the good side all the way: asin(ωD/2) is the angle of the chord of the most curved path, and a path that starts
 //! outside of it and bends less stays outside. Excess over the lag is corrected at every measurement, at once and
-//! cheaply. The remainder at the target is the excess of the last interval; [`Driver::cylinder`] bounds it. A circle is
-//! driven where a new target lies less than the lag ahead, and where the heading has passed the last one; that is the
-//! paper's δ(t_2π).
+//! cheaply. The remainder at the target is the excess of the last interval; [`SteeringModel::cylinder`] bounds it. A
+//! circle is driven where a new target lies less than the lag ahead, and where the heading has passed the last one;
+//! that is the paper's δ(t_2π).
 //!
 //! **Fine motion** (`approach`). At every measurement the share of the cycle with the arm down is chosen so that the
 //! robot is laterally in its place once one of its front corners has met the edge and it has turned about that corner
@@ -70,9 +70,9 @@ pub struct StrategyPiece {
     pub way_um: f64,
 }
 
-/// A driven robot, with its errors and intervals.
+/// Model by which a robot is steered: its data, the bounds on its errors, and its intervals.
 #[derive(Debug, Clone, Copy)]
-pub struct Driver<'a> {
+pub struct SteeringModel<'a> {
     pub robot: &'a Robot,
     pub errors: Errors,
     /// Nominal path between two measurements, in gross motion.
@@ -103,7 +103,7 @@ impl Cylinder {
     }
 }
 
-impl<'a> Driver<'a> {
+impl<'a> SteeringModel<'a> {
     /// `None` if the device does not state its errors.
     pub fn new(order: &'a MicrorobotsOrder, robot: usize) -> Option<Self> {
         let facts = &order.facts;
@@ -116,7 +116,7 @@ impl<'a> Driver<'a> {
         let fine_interval_um = cycle_um * (most_um / cycle_um).floor().max(1.0);
         let kept_um = facts.fine.length_um / KEPT_PARTS;
         let near_interval_um = interval_um.min(facts.fine.length_um / NEAR_INTERVALS);
-        Some(Driver { robot, errors, interval_um, near_interval_um, fine_interval_um, kept_um, cycle_um })
+        Some(SteeringModel { robot, errors, interval_um, near_interval_um, fine_interval_um, kept_um, cycle_um })
     }
 
     /// +1 if it turns counter-clockwise.

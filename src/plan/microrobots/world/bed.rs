@@ -1,6 +1,6 @@
 //! State of the bed between steps: poses of the robots, and the legs since their arms were last up.
 
-use super::{FirstMeeting, World};
+use super::{CollisionWorld, FirstCollision};
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::{Leg, RobotDocking};
@@ -30,22 +30,27 @@ impl BedPoses {
         *self = BedPoses::new(std::mem::take(&mut self.poses), std::mem::take(&mut self.docked));
     }
 
-    /// First forbidden meeting in the coming legs. Its leg is an index into them; 0 if an orbit disc was already
+    /// First collision in the coming legs. Its leg is an index into them; 0 if an orbit disc was already
     /// violated in the recorded legs.
-    pub fn first_hit(&self, world: &World, legs: &[Leg], docks: &[RobotDocking]) -> Option<FirstMeeting> {
+    pub fn first_collision(
+        &self,
+        world: &CollisionWorld,
+        legs: &[Leg],
+        docks: &[RobotDocking],
+    ) -> Option<FirstCollision> {
         let past = self.legs.len();
         if past == 0 {
-            return world.first_hit(&self.poses, &self.docked, legs, docks);
+            return world.first_collision(&self.poses, &self.docked, legs, docks);
         }
         let all: Vec<Leg> = self.legs.iter().chain(legs).copied().collect();
         let later = docks.iter().map(|dock| RobotDocking { leg: dock.leg + past, ..*dock });
         let docks: Vec<RobotDocking> = self.docks.iter().copied().chain(later).collect();
-        let hit = world.first_hit(&self.before.0, &self.before.1, &all, &docks);
-        hit.map(|hit| FirstMeeting { leg: hit.leg.saturating_sub(past), ..hit })
+        let hit = world.first_collision(&self.before.0, &self.before.1, &all, &docks);
+        hit.map(|hit| FirstCollision { leg: hit.leg.saturating_sub(past), ..hit })
     }
 
     /// Advances through legs.
-    pub fn follow(&mut self, world: &World, legs: &[Leg], docks: &[RobotDocking]) {
+    pub fn follow(&mut self, world: &CollisionWorld, legs: &[Leg], docks: &[RobotDocking]) {
         let past = self.legs.len();
         for (index, leg) in legs.iter().enumerate() {
             world.advance(&mut self.poses, &self.docked, *leg);
@@ -57,7 +62,7 @@ impl BedPoses {
     }
 
     /// Drops the recorded legs before the earliest one since which some arm has stayed down.
-    fn forget(&mut self, world: &World) {
+    fn forget(&mut self, world: &CollisionWorld) {
         let held = |robot: &usize| {
             let down = |leg: &&Leg| world.arm(leg.state, *robot) == Arm::Down;
             self.legs.iter().rev().take_while(down).count()

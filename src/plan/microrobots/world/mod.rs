@@ -1,7 +1,7 @@
 //! Collision model of the bed during planning: its bodies, and the first collision of a plan's legs.
 //!
 //! Input: the robots, obstacles and control states of an order; the poses of the robots; legs. Output: the first
-//! meeting that the collision rules forbid, or none. The rules: a moving body keeps the clearance from obstacles and
+//! violation of the collision rules, or none. The rules: a moving body keeps the clearance from obstacles and
 //! other bodies; the disc of a robot that turns by a full turn or more keeps the orbit clearance from everything; a
 //! robot that docks may approach the structure in the last stretch.
 //!
@@ -10,8 +10,8 @@
 //! distance is convex in time. A body that runs straight past something at rest sweeps a rectangle.
 //!
 //! Promise: stricter than the rules by [`MARGIN_UM`], so that rounding decides nothing. A case that is not decided
-//! within `MAX_SAMPLES` instants of one pair in one leg counts as a meeting. Cost: pairs of robots + robots × obstacles
-//! for each leg, most of them decided by bounding volumes alone.
+//! within `MAX_SAMPLES` instants of one pair in one leg counts as a collision. Cost: pairs of robots + robots ×
+//! obstacles for each leg, most of them decided by bounding volumes alone.
 
 mod bed;
 mod pairs;
@@ -40,9 +40,9 @@ const MARGIN_RAD: f64 = 1e-6;
 /// Most instants at which one pair is sampled during one leg.
 const MAX_SAMPLES: u32 = 200_000;
 
-/// The bed of an order.
+/// The bodies, arms and clearances of an order, against which its legs are checked.
 #[derive(Debug, Clone)]
-pub struct World {
+pub struct CollisionWorld {
     bodies: Vec<RobotDimensions>,
     obstacles: Vec<WorldObstacle>,
     /// By control state, then by robot of the order.
@@ -74,9 +74,9 @@ pub struct RobotDimensions {
     pub reach_um: f64,
 }
 
-/// A forbidden meeting.
+/// A violation of the collision rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ForbiddenMeeting {
+pub enum Collision {
     /// A body and an obstacle.
     Obstacle { robot: usize, obstacle: usize },
     /// Two bodies.
@@ -89,21 +89,21 @@ pub enum ForbiddenMeeting {
     Orbits { robot: usize, other: usize },
 }
 
-/// The first forbidden meeting.
+/// The first violation of the collision rules.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FirstMeeting {
-    pub meeting: ForbiddenMeeting,
+pub struct FirstCollision {
+    pub collision: Collision,
     /// Index into the legs.
     pub leg: usize,
     /// Strokes of the leg completed by then.
     pub strokes: f64,
-    /// Pose of the first robot of the meeting at that time.
+    /// Pose of the first robot of the collision at that time.
     pub at: Pose,
     /// Pose of the other robot at that time; of the first one, if there is no other.
     pub with: Pose,
 }
 
-impl World {
+impl CollisionWorld {
     /// The bed of an order. Obstacles whose shape cannot be placed are dropped: the checker rejects them.
     pub fn new(order: &MicrorobotsOrder) -> Self {
         let facts = &order.facts;
@@ -111,7 +111,7 @@ impl World {
             order.robots.iter().map(|placed| RobotDimensions::new(&facts.robots[placed.row])).collect();
         let obstacles = order.obstacles.iter().filter_map(|obstacle| obstacle.shape.grown(&obstacle.pose, 0.0).ok());
         let arms_of = |state: usize| order.robots.iter().map(move |placed| order.states[state].arms[placed.row]);
-        World {
+        CollisionWorld {
             bodies,
             obstacles: obstacles.map(WorldObstacle::new).collect(),
             arms: (0..order.states.len()).flat_map(arms_of).collect(),
@@ -144,7 +144,7 @@ impl World {
 
     /// The same bed with larger clearances: a path that is free there stays free when it is displaced by `room_um`.
     pub fn widened(&self, room_um: f64) -> Self {
-        World { keep_um: self.keep_um + room_um, orbit_keep_um: self.orbit_keep_um + room_um, ..self.clone() }
+        CollisionWorld { keep_um: self.keep_um + room_um, orbit_keep_um: self.orbit_keep_um + room_um, ..self.clone() }
     }
 
     /// The clearances of bodies and of discs.
@@ -159,7 +159,7 @@ impl World {
 
     /// Whether a control state keeps the arms of all docked robots up; a stroke with one of them down would turn the
     /// structure.
-    pub fn spares(&self, state: usize, docked: &[bool]) -> bool {
+    pub fn keeps_docked_arms_up(&self, state: usize, docked: &[bool]) -> bool {
         (0..self.count()).all(|robot| !docked[robot] || self.arm(state, robot) == Arm::Up)
     }
 
@@ -186,14 +186,14 @@ impl World {
         }
     }
 
-    /// First forbidden meeting during the legs; turns before them do not count.
-    pub fn first_hit(
+    /// First violation of the collision rules during the legs; turns before them do not count.
+    pub fn first_collision(
         &self,
         start: &[Pose],
         docked: &[bool],
         legs: &[Leg],
         docks: &[RobotDocking],
-    ) -> Option<FirstMeeting> {
+    ) -> Option<FirstCollision> {
         let mut course = LegCursor::new(self, start, docked, legs, docks);
         (0..legs.len()).find_map(|leg| course.follow(leg))
     }
@@ -223,7 +223,7 @@ impl RobotDimensions {
 
 /// State while legs are followed.
 struct LegCursor<'a> {
-    world: &'a World,
+    world: &'a CollisionWorld,
     legs: &'a [Leg],
     docks: &'a [RobotDocking],
     poses: Vec<Pose>,
@@ -237,7 +237,13 @@ struct LegCursor<'a> {
 }
 
 impl<'a> LegCursor<'a> {
-    fn new(world: &'a World, start: &[Pose], docked: &[bool], legs: &'a [Leg], docks: &'a [RobotDocking]) -> Self {
+    fn new(
+        world: &'a CollisionWorld,
+        start: &[Pose],
+        docked: &[bool],
+        legs: &'a [Leg],
+        docks: &'a [RobotDocking],
+    ) -> Self {
         let count = world.count();
         let mut course = LegCursor {
             world,
@@ -274,8 +280,8 @@ impl<'a> LegCursor<'a> {
         }
     }
 
-    /// Returns the first meeting of a leg, if any, and advances the state to its end.
-    fn follow(&mut self, leg: usize) -> Option<FirstMeeting> {
+    /// Returns the first collision of a leg, if any, and advances the state to its end.
+    fn follow(&mut self, leg: usize) -> Option<FirstCollision> {
         let Leg { state, strokes } = self.legs[leg];
         self.tracks.clear();
         for robot in 0..self.world.count() {
@@ -283,7 +289,7 @@ impl<'a> LegCursor<'a> {
             self.tracks.push(RobotTrack::new(&self.world.bodies[robot], self.poses[robot], arm, strokes as f64));
         }
         (0..self.world.count()).for_each(|robot| self.fine_from[robot] = self.fine_from(leg, robot));
-        let hit = self.meeting(leg);
+        let hit = self.collision(leg);
         self.world.advance(&mut self.poses, &self.docked, self.legs[leg]);
         self.docks.iter().filter(|dock| dock.leg == leg).for_each(|dock| self.docked[dock.robot] = true);
         hit

@@ -1,7 +1,7 @@
 //! One robot's path among bodies at rest: the queries that every search repeats.
 
 use super::tracks::{MotionKind, RobotTrack, first_near};
-use super::{MARGIN_UM, OrientedRectangle, World, WorldObstacle};
+use super::{CollisionWorld, MARGIN_UM, OrientedRectangle, WorldObstacle};
 use crate::device::microrobots::Arm;
 use crate::geometry::distance::{point_core, point_segment};
 use crate::geometry::{Pose, Rounded};
@@ -10,32 +10,32 @@ use crate::real::Real;
 use nalgebra::Point2;
 use std::f64::consts::TAU;
 
-/// Instant of a meeting that a query asks for.
+/// Instant of a collision that a query asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum MeetingInstant {
+enum CollisionInstant {
     /// The first instant at which the bodies are too near.
     First,
     /// Any instant from then on: enough to know whether they meet at all, and much cheaper.
     Any,
 }
 
-/// Query for a meeting: the required clearance and the instant asked for.
+/// Query for a collision: the required clearance and the instant asked for.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Nearness {
     /// Required clearance, in micrometres.
     keep_um: f64,
-    instant: MeetingInstant,
+    instant: CollisionInstant,
 }
 
 impl Nearness {
     /// Asks for the first instant nearer than `keep_um`.
     pub fn first(keep_um: f64) -> Nearness {
-        Nearness { keep_um, instant: MeetingInstant::First }
+        Nearness { keep_um, instant: CollisionInstant::First }
     }
 
     /// Asks whether there is an instant nearer than `keep_um`.
     fn any(keep_um: f64) -> Nearness {
-        Nearness { keep_um, instant: MeetingInstant::Any }
+        Nearness { keep_um, instant: CollisionInstant::Any }
     }
 }
 
@@ -83,7 +83,7 @@ pub enum Obstruction {
     Body(usize),
 }
 
-impl World {
+impl CollisionWorld {
     /// Obstruction of a robot on a segment of its path, if any: obstacles first, then discs and bodies.
     pub fn obstruction(
         &self,
@@ -139,7 +139,8 @@ impl World {
             .or_else(|| rests().map(Obstruction::Body))
     }
 
-    /// Distance of a robot at a pose from everything at rest, beyond the required clearance; negative if it is too near.
+    /// Distance of a robot at a pose from everything at rest, beyond the required clearance; negative if it is too
+    /// near.
     pub fn room_um(&self, robot: usize, pose: Pose, fixtures: &Fixtures) -> f64 {
         let body = self.rectangle(robot, pose);
         let obstacles = self.obstacles.iter().map(|other| body.to_rounded_um(&other.body) - self.keep_um);
@@ -198,7 +199,7 @@ fn meets(track: &RobotTrack, asked: Nearness, distance_um: impl Fn(&OrientedRect
     if !is_near(track.strokes) {
         return None;
     }
-    if instant == MeetingInstant::Any {
+    if instant == CollisionInstant::Any {
         return Some(track.strokes);
     }
     let (mut clear, mut near) = (0.0, if is_near(0.0) { 0.0 } else { track.strokes });

@@ -37,7 +37,7 @@ fn apart_um(one: Pose, other: Pose, half_um: [f64; 2]) -> f64 {
 }
 
 /// Margin by which the rules R2 and R3 are kept, at the worst of many instants.
-fn sampled_room_um(world: &World, discs: &[OrbitDisc], start: &[Pose], legs: &[Leg]) -> f64 {
+fn sampled_room_um(world: &CollisionWorld, discs: &[OrbitDisc], start: &[Pose], legs: &[Leg]) -> f64 {
     let mut poses = start.to_vec();
     let mut least_um = f64::INFINITY;
     for leg in legs {
@@ -81,14 +81,14 @@ proptest! {
         let mut order = bed(robots.collect(), obstacles.collect());
         // The orbit discs have a test of their own.
         std::sync::Arc::make_mut(&mut order.facts).orbit_clearance_um = -1e6;
-        let world = World::new(&order);
+        let world = CollisionWorld::new(&order);
         let start: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
         let legs: Vec<Leg> = legs.into_iter().map(|(state, strokes)| Leg { state, strokes }).collect();
         let discs: Vec<OrbitDisc> = discs.into_iter().map(|disc| OrbitDisc { centre_um: [disc.0, disc.1], radius_um: disc.2 }).collect();
-        let hit = world.first_hit(&start, &vec![false; start.len()], &legs, &[]);
+        let hit = world.first_collision(&start, &vec![false; start.len()], &legs, &[]);
         let room_um = sampled_room_um(&world, &discs, &start, &legs);
         match hit {
-            // The last sample is at the stroke of the meeting.
+            // The last sample is at the stroke of the collision.
             Some(hit) => {
                 let until = Leg { strokes: (hit.strokes.ceil() as u64).max(1), ..legs[hit.leg] };
                 let until: Vec<Leg> = legs[..hit.leg].iter().copied().chain([until]).collect();
@@ -100,7 +100,7 @@ proptest! {
 }
 
 /// A bed with one robot that turns by `turn_deg` in two legs, and another thing beside its orbit.
-fn orbit(turn_deg: f64, gap_um: f64, shape: Option<f64>) -> Option<ForbiddenMeeting> {
+fn orbit(turn_deg: f64, gap_um: f64, shape: Option<f64>) -> Option<Collision> {
     let one = robot("D1", 100.0, 0.02);
     let beyond_um = one.orbit_reach_um() + gap_um;
     let mut robots = vec![(one.clone(), pose(0.0, 100.0, 0.0))];
@@ -110,20 +110,20 @@ fn orbit(turn_deg: f64, gap_um: f64, shape: Option<f64>) -> Option<ForbiddenMeet
         robots.push((robot("D2", 100.0, 1e-7), pose(beyond_um + 125.0, 0.0, 0.0)));
     }
     let order = bed(robots, obstacles.into_iter().collect());
-    let world = World::new(&order);
+    let world = CollisionWorld::new(&order);
     let strokes = (turn_deg.to_radians() * 100.0 / 0.02 / 2.0) as u64;
     let start: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
     let legs = [Leg { state: 1, strokes }, Leg { state: order.states.len() - 1, strokes }];
-    world.first_hit(&start, &vec![false; start.len()], &legs, &[]).map(|hit| hit.meeting)
+    world.first_collision(&start, &vec![false; start.len()], &legs, &[]).map(|hit| hit.collision)
 }
 
 #[test]
 fn a_whole_turn_sweeps_a_disc() {
     assert_eq!(orbit(361.0, 20.1, Some(30.0)), None);
-    assert_eq!(orbit(361.0, 19.9, Some(30.0)), Some(ForbiddenMeeting::OrbitObstacle { robot: 0, obstacle: 0 }));
+    assert_eq!(orbit(361.0, 19.9, Some(30.0)), Some(Collision::OrbitObstacle { robot: 0, obstacle: 0 }));
     assert_eq!(orbit(359.0, 19.9, Some(30.0)), None);
     assert_eq!(orbit(361.0, 20.1, None), None);
-    assert_eq!(orbit(361.0, 19.9, None), Some(ForbiddenMeeting::OrbitRobot { robot: 0, other: 1 }));
+    assert_eq!(orbit(361.0, 19.9, None), Some(Collision::OrbitRobot { robot: 0, other: 1 }));
     assert_eq!(orbit(359.0, 19.9, None), None);
 }
 
@@ -132,8 +132,8 @@ fn bodies_keep_exactly_the_clearance() {
     for (left_um, hits) in [(40.01, false), (39.99, true)] {
         let wall = obstacle("wall", Shape::Box { size_um: [300.0, 20.0] }, Pose::at(1_000.0, left_um + 10.0));
         let order = bed(vec![(robot("D1", 100.0, 0.02), Pose::at(0.0, 0.0))], vec![wall]);
-        let world = World::new(&order);
-        let hit = world.first_hit(&[Pose::at(0.0, 0.0)], &[false], &[Leg { state: 0, strokes: 100_000 }], &[]);
+        let world = CollisionWorld::new(&order);
+        let hit = world.first_collision(&[Pose::at(0.0, 0.0)], &[false], &[Leg { state: 0, strokes: 100_000 }], &[]);
         assert_eq!(hit.is_some(), hits);
         let way = ArmSegment { arm: Arm::Up, way_um: 2_000.0 };
         let found = world.obstruction(0, Pose::at(0.0, 0.0), way, &Fixtures::default());
@@ -145,13 +145,13 @@ fn bodies_keep_exactly_the_clearance() {
 }
 
 /// A robot runs head on into a docked one and stops this far before it.
-fn docks(gap_um: f64, docking: bool) -> Option<FirstMeeting> {
+fn docks(gap_um: f64, docking: bool) -> Option<FirstCollision> {
     let start = [pose(0.0, 0.0, 0.0), pose(1_000.0, 0.0, 180.0)];
     let order = bed(vec![(robot("D1", 100.0, 0.02), start[0]), (robot("D2", 100.0, 0.02), start[1])], Vec::new());
-    let world = World::new(&order);
+    let world = CollisionWorld::new(&order);
     let legs = [Leg { state: 0, strokes: 10_000 }, Leg { state: 0, strokes: ((550.0 - gap_um) / 0.02) as u64 }];
     let docks = [RobotDocking { robot: 0, leg: 1 }];
-    world.first_hit(&start, &[false, true], &legs, if docking { &docks } else { &[] })
+    world.first_collision(&start, &[false, true], &legs, if docking { &docks } else { &[] })
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn who_docks_may_touch_but_not_overlap() {
     assert_eq!(docks(-0.99, true), None);
     assert!(docks(-1.01, true).is_some());
     let hit = docks(0.0, false).unwrap();
-    assert_eq!((hit.leg, hit.meeting), (1, ForbiddenMeeting::Robots { robot: 0, other: 1 }));
+    assert_eq!((hit.leg, hit.collision), (1, Collision::Robots { robot: 0, other: 1 }));
     assert_eq!(docks(10.01, false), None);
     assert!(docks(9.99, false).is_some());
 }

@@ -5,7 +5,7 @@ mod pair;
 mod single;
 mod written;
 
-use super::Drive;
+use super::CommandSegments;
 use super::belief::Belief;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::Arm;
@@ -22,7 +22,7 @@ use written::{RestStage, WrittenStage};
 /// Answer of a stage to a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// The drive has its segments; without any, the bed holds still until the next measurement.
+    /// The command has its segments; without any, the bed holds still until the next measurement.
     Driving,
     /// The bed is without voltage until this instant.
     Resting(u64),
@@ -33,7 +33,7 @@ pub enum Progress {
 
 /// A stage with its step.
 #[derive(Debug, Clone)]
-pub struct StageOf<'a> {
+pub struct StepStage<'a> {
     /// Index into the order's steps.
     pub step: usize,
     pub stage: ControlStage<'a>,
@@ -51,20 +51,20 @@ pub enum ControlStage<'a> {
 
 impl ControlStage<'_> {
     /// The next actions after a measurement.
-    pub fn proceed(&mut self, belief: &mut Belief, drive: &mut Drive, now_ns: u64) -> Progress {
+    pub fn proceed(&mut self, belief: &mut Belief, command: &mut CommandSegments, now_ns: u64) -> Progress {
         match self {
-            ControlStage::Written(stage) => stage.proceed(belief, drive),
+            ControlStage::Written(stage) => stage.proceed(belief, command),
             ControlStage::Rest(stage) => stage.proceed(now_ns),
-            ControlStage::Drive(stage) => stage.proceed(belief, drive),
-            ControlStage::Pair(stage) => stage.proceed(belief, drive),
-            ControlStage::Single(stage) => stage.proceed(belief, drive),
+            ControlStage::Drive(stage) => stage.proceed(belief, command),
+            ControlStage::Pair(stage) => stage.proceed(belief, command),
+            ControlStage::Single(stage) => stage.proceed(belief, command),
         }
     }
 
     /// Looks for another path if the commanded one would lead into something; `false` if there is none.
-    pub fn find_new_way(&mut self, belief: &Belief) -> bool {
+    pub fn find_new_path(&mut self, belief: &Belief) -> bool {
         match self {
-            ControlStage::Drive(stage) => stage.find_new_way(belief),
+            ControlStage::Drive(stage) => stage.find_new_path(belief),
             ControlStage::Written(_) | ControlStage::Rest(_) | ControlStage::Pair(_) | ControlStage::Single(_) => false,
         }
     }
@@ -120,13 +120,13 @@ impl ControlStage<'_> {
 }
 
 /// The stages of a plan in order of time.
-pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> Vec<StageOf<'a>> {
+pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> Vec<StepStage<'a>> {
     let all = episodes(order, motion);
     let pushed_um = carried_out_as_written(order, motion);
     let mut found = Vec::new();
     let mut crew = motion.start.clone();
     for (step, steps) in motion.steps.iter().enumerate() {
-        let mut push = |stage: ControlStage<'a>| found.push(StageOf { step, stage });
+        let mut push = |stage: ControlStage<'a>| found.push(StepStage { step, stage });
         let (legs, docks) = match steps {
             MicrorobotsStepMotion::Wait(duration_ns) => {
                 push(ControlStage::Rest(RestStage::new(*duration_ns)));
@@ -147,8 +147,8 @@ pub fn stages<'a>(order: &'a MicrorobotsOrder, motion: &'a MicrorobotsMotion) ->
 
 /// Lets the robots of a last stage that is carried out as written run on by `pushed_um`, so that they touch what they
 /// dock with.
-fn push_last(order: &MicrorobotsOrder, stages: &mut [StageOf], pushed_um: f64) {
-    if let Some(StageOf { stage: ControlStage::Written(stage), .. }) = stages.last_mut() {
+fn push_last(order: &MicrorobotsOrder, stages: &mut [StepStage], pushed_um: f64) {
+    if let Some(StepStage { stage: ControlStage::Written(stage), .. }) = stages.last_mut() {
         stage.push(order, pushed_um);
     }
 }
@@ -160,7 +160,7 @@ fn of_episode<'a>(order: &'a MicrorobotsOrder, episode: &Episode<'a>, is_written
         return Some(ControlStage::Written(WrittenStage::of(order, episode)));
     }
     match *episode.stage {
-        AssemblyStage::Departure { .. } => Some(ControlStage::Written(WrittenStage::of(order, episode))),
+        AssemblyStage::InitialLegs { .. } => Some(ControlStage::Written(WrittenStage::of(order, episode))),
         AssemblyStage::Single { .. } => {
             SingleStage::new(order, episode).map(|stage| ControlStage::Single(Box::new(stage)))
         }
@@ -196,7 +196,7 @@ fn of_other<'a>(
 
 /// Greatest measured distance from their goals at which drives count as done; `None` if nothing is driven in closed
 /// loop.
-pub fn drives_end_within(stages: &[StageOf]) -> Option<Cylinder> {
+pub fn drives_end_within(stages: &[StepStage]) -> Option<Cylinder> {
     let drives = stages.iter().filter_map(|one| match &one.stage {
         ControlStage::Drive(stage) => Some(stage.accepted()),
         ControlStage::Written(_) | ControlStage::Single(_) | ControlStage::Pair(_) | ControlStage::Rest(_) => None,
@@ -207,15 +207,15 @@ pub fn drives_end_within(stages: &[StageOf]) -> Option<Cylinder> {
     })
 }
 
-/// Adds the actions of a robot to a drive; `state` gives the control state of an arm.
+/// Adds the actions of a robot to a command; `state` gives the control state of an arm.
 pub fn add_pieces(
     belief: &Belief,
-    drive: &mut Drive,
+    command: &mut CommandSegments,
     robot: usize,
     pieces: [StrategyPiece; 2],
     state: impl Fn(Arm) -> usize,
 ) {
-    pieces.into_iter().for_each(|piece| drive.add(state(piece.arm), strokes(belief, robot, piece.way_um)));
+    pieces.into_iter().for_each(|piece| command.add(state(piece.arm), strokes(belief, robot, piece.way_um)));
 }
 
 /// Whole strokes of a nominal path of a robot.

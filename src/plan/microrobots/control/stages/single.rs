@@ -5,9 +5,9 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::Arm;
 use crate::geometry::Pose;
 use crate::plan::microrobots::AssemblyStage;
-use crate::plan::microrobots::control::Drive;
+use crate::plan::microrobots::control::CommandSegments;
 use crate::plan::microrobots::control::belief::Belief;
-use crate::plan::microrobots::strategy::{Driver, Episode, GoalFrame, Phase, Pursuit, edge_gap_um, steered};
+use crate::plan::microrobots::strategy::{Episode, GoalFrame, Phase, Pursuit, SteeringModel, edge_gap_um, steered};
 use std::f64::consts::TAU;
 
 /// Most attempts at the end of the gross motion.
@@ -29,7 +29,7 @@ const FLAT_RAD: f64 = 0.01;
 #[derive(Debug, Clone)]
 pub struct SingleStage<'a> {
     pub robot: usize,
-    driver: Driver<'a>,
+    model: SteeringModel<'a>,
     /// Indices of the control states in which it turns and runs straight.
     states: [usize; 2],
     /// Approach and goal as planned.
@@ -53,17 +53,17 @@ pub struct SingleStage<'a> {
 impl<'a> SingleStage<'a> {
     pub fn new(order: &'a MicrorobotsOrder, episode: &Episode) -> Option<Self> {
         let &AssemblyStage::Single { robot, states, approach, goal } = episode.stage else { return None };
-        let driver = whole_strokes(Driver::new(order, robot)?);
+        let model = whole_strokes(SteeringModel::new(order, robot)?);
         let tolerance_um = 3.0 * order.facts.docking.tolerance_um;
         let is_before = |other: &usize| {
             let body = [(order.robot(*other), episode.poses[*other])];
-            episode.docked[*other] && edge_gap_um(driver.robot, goal, &body, tolerance_um).is_some()
+            episode.docked[*other] && edge_gap_um(model.robot, goal, &body, tolerance_um).is_some()
         };
         let before = (0..episode.poses.len()).filter(is_before).collect();
-        let pursuit = Pursuit::new(&driver, episode.via_um.first().cloned().unwrap_or_default(), approach);
+        let pursuit = Pursuit::new(&model, episode.via_um.first().cloned().unwrap_or_default(), approach);
         Some(SingleStage {
             robot,
-            driver,
+            model,
             states,
             approach,
             goal,
@@ -85,11 +85,11 @@ impl<'a> SingleStage<'a> {
         self.phase
     }
 
-    pub fn proceed(&mut self, belief: &mut Belief, drive: &mut Drive) -> Progress {
+    pub fn proceed(&mut self, belief: &mut Belief, command: &mut CommandSegments) -> Progress {
         let goal = belief.moved_along(self.goal);
-        let frame = GoalFrame::new(self.driver.robot, goal, belief.gap_um(self.robot, goal, &self.before));
+        let frame = GoalFrame::new(self.model.robot, goal, belief.gap_um(self.robot, goal, &self.before));
         if self.phase == ControlPhase::Approach {
-            match self.approach(belief, drive, &frame) {
+            match self.approach(belief, command, &frame) {
                 Progress::Done => {
                     self.phase = ControlPhase::Fine;
                     self.left_um = MAX_FINE_TIMES * belief.order.facts.fine.length_um;
@@ -97,23 +97,23 @@ impl<'a> SingleStage<'a> {
                 progress => return progress,
             }
         }
-        self.fine(belief, drive, &frame)
+        self.fine(belief, command, &frame)
     }
 
-    fn approach(&mut self, belief: &mut Belief, drive: &mut Drive, frame: &GoalFrame) -> Progress {
+    fn approach(&mut self, belief: &mut Belief, command: &mut CommandSegments, frame: &GoalFrame) -> Progress {
         let measured = belief.poses[self.robot];
         let approach = belief.moved_along(self.approach);
-        if !self.has_begun || self.pursuit.is_far(&self.driver, measured) {
-            self.pursuit.aim(&self.driver, approach);
+        if !self.has_begun || self.pursuit.is_far(&self.model, measured) {
+            self.pursuit.aim(&self.model, approach);
         }
         if !self.has_begun {
             self.has_begun = true;
-            let circle_um = TAU * self.driver.robot.turning_radius_um;
-            self.left_um = MAX_TIMES * (self.pursuit.left_um(&self.driver, measured) + circle_um);
+            let circle_um = TAU * self.model.robot.turning_radius_um;
+            self.left_um = MAX_TIMES * (self.pursuit.left_um(&self.model, measured) + circle_um);
         }
         if self.pursuit.phase == Phase::Arrived {
-            let is_there = self.driver.accepted().holds(self.pursuit.approach, measured);
-            if is_there && steered(&self.driver, frame, measured, [0.0, 1.0]).1 == 0.0 {
+            let is_there = self.model.accepted().holds(self.pursuit.approach, measured);
+            if is_there && steered(&self.model, frame, measured, [0.0, 1.0]).1 == 0.0 {
                 return Progress::Done;
             }
             self.rounds += 1;
@@ -121,49 +121,49 @@ impl<'a> SingleStage<'a> {
                 let reason = if is_there { StopReason::MissedCone } else { StopReason::LeftCylinder };
                 return Progress::Failed(reason, self.robot);
             }
-            self.pursuit.aim(&self.driver, approach);
-            self.pursuit.retry(&self.driver, measured);
+            self.pursuit.aim(&self.model, approach);
+            self.pursuit.retry(&self.model, measured);
         }
-        let pieces = self.pursuit.pieces(&self.driver, measured, self.driver.interval_um);
+        let pieces = self.pursuit.pieces(&self.model, measured, self.model.interval_um);
         self.left_um -= pieces.iter().map(|piece| piece.way_um).sum::<f64>();
         if self.left_um < 0.0 {
             return Progress::Failed(StopReason::TimeLimit, self.robot);
         }
         let [turning, straight] = self.states;
-        add_pieces(belief, drive, self.robot, pieces, |arm| if arm == Arm::Down { turning } else { straight });
+        add_pieces(belief, command, self.robot, pieces, |arm| if arm == Arm::Down { turning } else { straight });
         Progress::Driving
     }
 
-    fn fine(&mut self, belief: &mut Belief, drive: &mut Drive, frame: &GoalFrame) -> Progress {
+    fn fine(&mut self, belief: &mut Belief, command: &mut CommandSegments, frame: &GoalFrame) -> Progress {
         let measured = belief.poses[self.robot];
         let seen = frame.seen(measured);
         if self.phase == ControlPhase::Contact {
             // A robot that sticks lies flat.
             let is_flat = seen.heading_rad.abs() <= 2.0 * belief.errors.heading_rad + FLAT_RAD;
-            let (gap_um, touching_um) = (frame.gap_um(seen), touching_um(belief, self.driver.robot.width_um));
+            let (gap_um, touching_um) = (frame.gap_um(seen), touching_um(belief, self.model.robot.width_um));
             if is_flat && gap_um <= touching_um {
                 if self.is_pushed_on {
                     return self.judge(belief, seen);
                 }
                 self.is_pushed_on = true;
-                drive.add(self.states[1], strokes(belief, self.robot, push_on_um(gap_um, touching_um)));
+                command.add(self.states[1], strokes(belief, self.robot, push_on_um(gap_um, touching_um)));
                 return Progress::Driving;
             }
             // It was not there yet.
             (self.phase, self.is_pushed_on) = (ControlPhase::Fine, false);
         }
         if !self.is_kept {
-            (self.share, self.aside_um) = steered(&self.driver, frame, measured, [0.0, 1.0]);
-            self.is_kept = frame.gap_um(seen) < self.driver.fine_interval_um + self.driver.kept_um;
+            (self.share, self.aside_um) = steered(&self.model, frame, measured, [0.0, 1.0]);
+            self.is_kept = frame.gap_um(seen) < self.model.fine_interval_um + self.model.kept_um;
         }
-        let turn_per_um = self.share / self.driver.robot.turning_radius_um;
+        let turn_per_um = self.share / self.model.robot.turning_radius_um;
         let way_um = frame.met(seen, turn_per_um).map_or(f64::INFINITY, |contact| contact.way_um);
-        if way_um > self.driver.fine_interval_um {
-            self.left_um -= self.driver.fine_interval_um;
+        if way_um > self.model.fine_interval_um {
+            self.left_um -= self.model.fine_interval_um;
             if self.left_um < 0.0 {
                 return Progress::Failed(StopReason::MissedCone, self.robot);
             }
-            self.cycles(belief, drive, self.driver.fine_interval_um);
+            self.cycles(belief, command, self.model.fine_interval_um);
             return Progress::Driving;
         }
         self.pushes += 1;
@@ -171,40 +171,40 @@ impl<'a> SingleStage<'a> {
             return Progress::Failed(StopReason::MissedCone, self.robot);
         }
         self.phase = ControlPhase::Contact;
-        self.last_cycles(belief, drive, way_um);
-        let push_um = push_um(belief, self.driver.robot.width_um, way_um) + again_um(self.pushes, self.driver.cycle_um);
-        drive.add(self.states[1], strokes(belief, self.robot, push_um));
+        self.last_cycles(belief, command, way_um);
+        let push_um = push_um(belief, self.model.robot.width_um, way_um) + again_um(self.pushes, self.model.cycle_um);
+        command.add(self.states[1], strokes(belief, self.robot, push_um));
         Progress::Driving
     }
 
     /// Whole cycles; their turns lie half before and half after the straight run, so that they do not lead or lag.
-    fn cycles(&self, belief: &Belief, drive: &mut Drive, way_um: f64) {
-        let count = (way_um / self.driver.cycle_um).round().max(1.0);
+    fn cycles(&self, belief: &Belief, command: &mut CommandSegments, way_um: f64) {
+        let count = (way_um / self.model.cycle_um).round().max(1.0);
         let cycle_um = way_um / count;
         let turning = strokes(belief, self.robot, self.share * cycle_um / 2.0);
         let straight = strokes(belief, self.robot, (1.0 - self.share) * cycle_um);
         for _ in 0..count as u64 {
-            drive.add(self.states[0], turning);
-            drive.add(self.states[1], straight);
-            drive.add(self.states[0], turning);
+            command.add(self.states[0], turning);
+            command.add(self.states[1], straight);
+            command.add(self.states[0], turning);
         }
     }
 
     /// The cycles before the contact; the last one turns first and then runs straight, so that the arm is up when the
     /// robot sticks.
-    fn last_cycles(&self, belief: &Belief, drive: &mut Drive, way_um: f64) {
-        let last_um = way_um.min(self.driver.cycle_um);
-        if way_um - last_um > self.driver.cycle_um / 2.0 {
-            self.cycles(belief, drive, way_um - last_um);
+    fn last_cycles(&self, belief: &Belief, command: &mut CommandSegments, way_um: f64) {
+        let last_um = way_um.min(self.model.cycle_um);
+        if way_um - last_um > self.model.cycle_um / 2.0 {
+            self.cycles(belief, command, way_um - last_um);
         }
-        let last_um = if way_um - last_um > self.driver.cycle_um / 2.0 { last_um } else { way_um };
-        drive.add(self.states[0], strokes(belief, self.robot, self.share * last_um));
-        drive.add(self.states[1], strokes(belief, self.robot, (1.0 - self.share) * last_um));
+        let last_um = if way_um - last_um > self.model.cycle_um / 2.0 { last_um } else { way_um };
+        command.add(self.states[0], strokes(belief, self.robot, self.share * last_um));
+        command.add(self.states[1], strokes(belief, self.robot, (1.0 - self.share) * last_um));
     }
 
     /// Judges a robot that was pushed against its structure and touches it.
     fn judge(&self, belief: &mut Belief, seen: Pose) -> Progress {
-        let most_um = belief.order.facts.docking.tolerance_um + 2.0 * belief.doubt_um(self.driver.robot.length_um);
+        let most_um = belief.order.facts.docking.tolerance_um + 2.0 * belief.doubt_um(self.model.robot.length_um);
         if seen.y_um.abs() > most_um {
             let reason = if self.aside_um == 0.0 { StopReason::Misplaced } else { StopReason::MissedCone };
             return Progress::Failed(reason, self.robot);
@@ -214,12 +214,12 @@ impl<'a> SingleStage<'a> {
     }
 }
 
-/// A driver that accepts what whole strokes can reach; rounding to strokes acts like an error.
-pub fn whole_strokes(mut driver: Driver) -> Driver {
-    let step_um = driver.robot.step_um;
-    driver.errors.place_um = driver.errors.place_um.max(2.0 * step_um);
-    driver.errors.heading_rad = driver.errors.heading_rad.max(2.0 * step_um / driver.robot.turning_radius_um);
-    driver
+/// The model of a robot that accepts what whole strokes can reach; rounding to strokes acts like an error.
+pub fn whole_strokes(mut model: SteeringModel) -> SteeringModel {
+    let step_um = model.robot.step_um;
+    model.errors.place_um = model.errors.place_um.max(2.0 * step_um);
+    model.errors.heading_rad = model.errors.heading_rad.max(2.0 * step_um / model.robot.turning_radius_um);
+    model
 }
 
 /// Measured gap up to which a robot that was pushed against something touches it: the errors of both measured places.

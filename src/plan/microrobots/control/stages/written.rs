@@ -4,7 +4,7 @@ use super::{Progress, StopReason};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::wrapped_rad;
 use crate::geometry::Pose;
-use crate::plan::microrobots::control::Drive;
+use crate::plan::microrobots::control::CommandSegments;
 use crate::plan::microrobots::control::belief::Belief;
 use crate::plan::microrobots::strategy::Episode;
 use crate::plan::microrobots::{AssemblyStage, Leg};
@@ -41,7 +41,7 @@ impl<'a> WrittenStage<'a> {
                 ([Some((first, goals[0])), Some((second, goals[1]))], states[2])
             }
             AssemblyStage::Single { robot, goal, states, .. } => ([Some((robot, goal)), None], states[1]),
-            AssemblyStage::Departure { .. } | AssemblyStage::Escort { .. } => ([None; 2], 0),
+            AssemblyStage::InitialLegs { .. } | AssemblyStage::Escort { .. } => ([None; 2], 0),
         };
         WrittenStage { docks, straight, ..WrittenStage::new(order, episode.legs) }
     }
@@ -63,11 +63,11 @@ impl<'a> WrittenStage<'a> {
         self.legs.len().min(usize::try_from(self.interval).unwrap_or(usize::MAX)).saturating_add(2)
     }
 
-    pub fn proceed(&mut self, belief: &mut Belief, drive: &mut Drive) -> Progress {
+    pub fn proceed(&mut self, belief: &mut Belief, command: &mut CommandSegments) -> Progress {
         let mut left = self.interval;
         while let Some(leg) = self.legs.get(self.at).filter(|_| left > 0) {
             let strokes = (leg.strokes - self.driven).min(left);
-            drive.add(leg.state, strokes);
+            command.add(leg.state, strokes);
             left -= strokes;
             self.driven += strokes;
             if self.driven >= leg.strokes {
@@ -75,7 +75,7 @@ impl<'a> WrittenStage<'a> {
             }
         }
         if left == self.interval && self.pushed > 0 {
-            drive.add(self.straight, std::mem::take(&mut self.pushed));
+            command.add(self.straight, std::mem::take(&mut self.pushed));
             return Progress::Driving;
         }
         if left < self.interval { Progress::Driving } else { self.judge(belief) }
@@ -95,7 +95,7 @@ impl<'a> WrittenStage<'a> {
         }
         self.docks.into_iter().flatten().for_each(|(robot, _)| belief.dock(robot));
         if let [Some(first), Some(second)] = self.docks {
-            belief.found([first, second]);
+            belief.begin_structure([first, second]);
         }
         Progress::Done
     }

@@ -4,7 +4,7 @@
 //! and the structure is where they met. A single robot touches when a corner of its front comes to the edge that it
 //! faces at its goal; it then lies flat against it. Robots that touch anything else have collided.
 
-use super::{FailureReason, Met, Trial, motion};
+use super::{ContactRecord, FailureReason, Trial, motion};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Robot, wrapped_rad};
 use crate::geometry::Pose;
@@ -50,7 +50,7 @@ impl NextDocking {
                 let frame = GoalFrame::new(trial.order.robot(robot), there, gap_um(trial, robot, there));
                 Some(NextDocking::Single { robot, goal, frame })
             }
-            AssemblyStage::Departure { .. } | AssemblyStage::Escort { .. } => None,
+            AssemblyStage::InitialLegs { .. } | AssemblyStage::Escort { .. } => None,
         }
     }
 
@@ -129,7 +129,13 @@ impl NextDocking {
             let (dx_um, dy_um) = (pose.x_um - goal.x_um, pose.y_um - goal.y_um);
             let off_rad = wrapped_rad(pose.heading_rad - goal.heading_rad);
             let (along_um, across_um) = (dx_um * cos + dy_um * sin, dy_um * cos - dx_um * sin);
-            trial.met.push(Met { robot, across_um, along_um, incidence_rad: off_rad, heading_rad: off_rad });
+            trial.contacts.push(ContactRecord {
+                robot,
+                across_um,
+                along_um,
+                incidence_rad: off_rad,
+                heading_rad: off_rad,
+            });
             trial.docked[robot] = true;
         }
         true
@@ -169,7 +175,7 @@ fn judge_single(trial: &mut Trial, robot: usize, goal: Pose, frame: &GoalFrame) 
     let ahead_um = frame.edge_um - trial.order.robot(robot).length_um / 2.0;
     let flat = frame.placed(Pose { x_um: ahead_um, y_um: contact.across_um, heading_rad: 0.0 });
     let (dx_um, dy_um) = (flat.x_um - goal.x_um, flat.y_um - goal.y_um);
-    trial.met.push(Met {
+    trial.contacts.push(ContactRecord {
         robot,
         across_um: contact.across_um,
         along_um: dx_um * goal.heading_rad.cosine() + dy_um * goal.heading_rad.sine(),
@@ -202,7 +208,7 @@ fn judge_pair(trial: &mut Trial, robots: [usize; 2], goals: [Pose; 2]) -> Result
     let incidence_rad = wrapped_rad(poses[0].heading_rad - poses[1].heading_rad - PI);
     let along_um = (met[0] - nominal[0]).hypotenuse(met[1] - nominal[1]);
     for robot in robots {
-        trial.met.push(Met { robot, across_um, along_um, incidence_rad, heading_rad: tilt_rad });
+        trial.contacts.push(ContactRecord { robot, across_um, along_um, incidence_rad, heading_rad: tilt_rad });
     }
     if incidence_rad.abs() > docking.self_aligning_rad {
         return Err((robots[0], FailureReason::Angle));

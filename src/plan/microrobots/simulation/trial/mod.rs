@@ -7,7 +7,7 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Errors};
 use crate::geometry::Pose;
 use crate::plan::microrobots::AssemblyStage;
-use crate::plan::microrobots::control::{ControlPhase, Segment, Stop, StopReason};
+use crate::plan::microrobots::control::{ControlPhase, Stop, StopReason, StrokeSegment};
 use crate::plan::microrobots::strategy::{BodyCorners, StrategySolid, bent, body};
 use crate::random::SplitMix64;
 use crate::real::Real;
@@ -110,7 +110,7 @@ impl TrialFailure {
 
 /// How a robot met its structure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Met {
+pub struct ContactRecord {
     pub robot: usize,
     pub across_um: f64,
     pub along_um: f64,
@@ -121,7 +121,7 @@ pub struct Met {
 /// A trial that is over.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EndedTrial {
-    pub met: Vec<Met>,
+    pub contacts: Vec<ContactRecord>,
     pub failure: Option<TrialFailure>,
     pub time_ns: u64,
     /// Area match of a trial that succeeded.
@@ -158,7 +158,7 @@ pub struct Trial<'a> {
     pub docked: Vec<bool>,
     /// Motion from the planned place of the structure to its actual one.
     pub structure: Isometry2<f64>,
-    pub met: Vec<Met>,
+    pub contacts: Vec<ContactRecord>,
     obstacles: &'a [StrategySolid],
     /// Bodies of docked robots.
     bodies: Vec<StrategySolid>,
@@ -199,7 +199,7 @@ impl<'a> Trial<'a> {
             poses: start.poses.to_vec(),
             docked: start.docked.to_vec(),
             structure: Isometry2::identity(),
-            met: Vec::new(),
+            contacts: Vec::new(),
             obstacles: start.obstacles,
             bodies: Vec::new(),
             stages: start.stages,
@@ -258,7 +258,7 @@ impl<'a> Trial<'a> {
     ///
     /// # Errors
     /// The first robot that runs into something, or docks out of its place.
-    pub fn carry_out(&mut self, segments: &[Segment]) -> Result<(), Mishap> {
+    pub fn carry_out(&mut self, segments: &[StrokeSegment]) -> Result<(), Mishap> {
         for segment in segments {
             self.spend(segment);
             let mut left = segment.strokes as f64;
@@ -349,7 +349,7 @@ impl<'a> Trial<'a> {
         self.order.states[state].arms[self.order.robots[robot].row]
     }
 
-    fn spend(&mut self, segment: &Segment) {
+    fn spend(&mut self, segment: &StrokeSegment) {
         if segment.sets_arms {
             let levels = self.order.states[segment.state].levels_v.len() as f64;
             self.spent_ns += levels * self.order.facts.dwell_ns as f64;

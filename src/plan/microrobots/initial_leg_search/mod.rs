@@ -11,8 +11,8 @@
 
 mod estimate;
 
-use super::departure::Departure;
-use super::world::{BedPoses, World};
+use super::initial_legs::InitialLegs;
+use super::world::{BedPoses, CollisionWorld};
 use super::{Leg, RobotDocking};
 use crate::claims::microrobots::{Dock, MicrorobotsOrder};
 use crate::geometry::Pose;
@@ -40,9 +40,9 @@ const SCALES: usize = 4;
 const SHORTEST_UM: f64 = 2.0;
 
 /// Search for the initial legs of an assembly.
-pub struct Gathering<'a> {
+pub struct InitialLegSearch<'a> {
     order: &'a MicrorobotsOrder,
-    world: &'a World,
+    world: &'a CollisionWorld,
     bed: &'a BedPoses,
     estimate: AssemblyEstimate,
     /// Control states that keep the arms of docked robots up.
@@ -53,30 +53,38 @@ pub struct Gathering<'a> {
 
 /// Candidate legs, and the cost of them and of the assembly after them, in strokes.
 #[derive(Debug, Clone)]
-struct Draft {
+struct InitialLegsCandidate {
     legs: Vec<Leg>,
     cost: f64,
 }
 
-impl<'a> Gathering<'a> {
+impl<'a> InitialLegSearch<'a> {
     /// Search for robots with these goals; `roomy` is the order with the clearances that the assembly keeps after the
     /// initial legs. `None` if there is nothing to move.
     pub fn new(
         order: &'a MicrorobotsOrder,
         roomy: &MicrorobotsOrder,
-        world: &'a World,
+        world: &'a CollisionWorld,
         bed: &'a BedPoses,
         docks: &[Dock],
-    ) -> Option<Gathering<'a>> {
-        let states: Vec<usize> = (0..world.state_count()).filter(|state| world.spares(*state, &bed.docked)).collect();
+    ) -> Option<InitialLegSearch<'a>> {
+        let states: Vec<usize> =
+            (0..world.state_count()).filter(|state| world.keeps_docked_arms_up(*state, &bed.docked)).collect();
         let moving = (0..world.count()).filter(|robot| !bed.docked[*robot]);
         let step_um = moving.map(|robot| order.robot(robot).step_um).fold(0.0, f64::max);
         let estimate = AssemblyEstimate::new(roomy, world, bed, docks)?;
-        (step_um > 0.0 && !states.is_empty()).then_some(Gathering { order, world, bed, estimate, states, step_um })
+        (step_um > 0.0 && !states.is_empty()).then_some(InitialLegSearch {
+            order,
+            world,
+            bed,
+            estimate,
+            states,
+            step_um,
+        })
     }
 
     /// Runs one descent and returns its best initial legs; `None` if it is best to have none.
-    pub fn descend(&self, seed: u64) -> Option<Departure> {
+    pub fn descend(&self, seed: u64) -> Option<InitialLegs> {
         let mut random = SplitMix64::stream(seed, self.states.len() as u64);
         let mut now = self.beginning(seed, &mut random);
         let mut best = now.clone();
@@ -90,31 +98,31 @@ impl<'a> Gathering<'a> {
             let cooled = 1.0 - round as f64 / ROUNDS as f64;
             let allowed = HEAT_UM / self.step_um * cooled * cooled * random.unit();
             if cost < now.cost + allowed && legs.len() <= MAX_LEGS && self.is_free(&legs) {
-                now = Draft { legs, cost };
+                now = InitialLegsCandidate { legs, cost };
                 if now.cost < best.cost {
                     best = now.clone();
                 }
             }
         }
-        self.departure(best.legs)
+        self.followed(best.legs)
     }
 
     /// Changes initial legs by one random change; `None` if they stay the same, meet something or become empty.
-    pub fn varied(&self, departure: &Departure, random: &mut SplitMix64) -> Option<Departure> {
-        let mut legs = departure.legs.clone();
+    pub fn varied(&self, initial: &InitialLegs, random: &mut SplitMix64) -> Option<InitialLegs> {
+        let mut legs = initial.legs.clone();
         self.change(&mut legs, random);
         tidy(&mut legs, (SHORTEST_UM / self.step_um) as u64);
-        let is_new = legs != departure.legs && self.is_free(&legs);
-        is_new.then(|| self.departure(legs)).flatten()
+        let is_new = legs != initial.legs && self.is_free(&legs);
+        is_new.then(|| self.followed(legs)).flatten()
     }
 
-    fn departure(&self, legs: Vec<Leg>) -> Option<Departure> {
+    fn followed(&self, legs: Vec<Leg>) -> Option<InitialLegs> {
         let mut bed = self.bed.clone();
         bed.follow(self.world, &legs, &NO_DOCKS);
-        (!legs.is_empty()).then_some(Departure { legs, bed })
+        (!legs.is_empty()).then_some(InitialLegs { legs, bed })
     }
 
-    fn beginning(&self, seed: u64, random: &mut SplitMix64) -> Draft {
+    fn beginning(&self, seed: u64, random: &mut SplitMix64) -> InitialLegsCandidate {
         let mut legs = Vec::new();
         if seed % 4 != 1 {
             for _ in 0..=random.below(FIRST_LEGS) {
@@ -126,7 +134,7 @@ impl<'a> Gathering<'a> {
             }
         }
         let cost = self.cost(&legs);
-        Draft { legs, cost }
+        InitialLegsCandidate { legs, cost }
     }
 
     fn leg(&self, random: &mut SplitMix64) -> Leg {
@@ -164,7 +172,7 @@ impl<'a> Gathering<'a> {
     }
 
     fn is_free(&self, legs: &[Leg]) -> bool {
-        self.bed.first_hit(self.world, legs, &NO_DOCKS).is_none()
+        self.bed.first_collision(self.world, legs, &NO_DOCKS).is_none()
     }
 
     /// Cost in strokes of the legs, with their control cycles, and of the estimate after them.

@@ -1,6 +1,6 @@
 //! Shortens a free path: corners are removed and moved as long as that makes it shorter and keeps it free.
 
-use super::{DriveTask, SHORTEST_UM};
+use super::{PathRequest, SHORTEST_UM};
 use crate::device::microrobots::Arm;
 use crate::plan::microrobots::free::{self, ArmSegment, joined};
 use crate::real::Real;
@@ -15,14 +15,14 @@ const MAX_TRIES: usize = 500;
 const LEAST_GAIN_UM: f64 = 1e-3;
 
 /// A path no longer than the given one. Invalid tries are dropped.
-pub(super) fn shortened(task: &DriveTask, way: Vec<ArmSegment>) -> Vec<ArmSegment> {
-    let mut corners = corners(task, &way);
+pub(super) fn shortened(request: &PathRequest, way: Vec<ArmSegment>) -> Vec<ArmSegment> {
+    let mut corners = corners(request, &way);
     let mut best = (free::length_um(&way), way);
     let mut tries = 0;
     let mut step_um = STEPS_UM[0];
     while step_um >= STEPS_UM[1] && tries < MAX_TRIES {
-        if leave_one_out(task, &mut corners, &mut best, &mut tries)
-            || move_one(task, &mut corners, &mut best, &mut tries, step_um)
+        if leave_one_out(request, &mut corners, &mut best, &mut tries)
+            || move_one(request, &mut corners, &mut best, &mut tries, step_um)
         {
             continue;
         }
@@ -32,39 +32,39 @@ pub(super) fn shortened(task: &DriveTask, way: Vec<ArmSegment>) -> Vec<ArmSegmen
 }
 
 /// The corners of a path, except the first and the last turning centre.
-fn corners(task: &DriveTask, way: &[ArmSegment]) -> Vec<[f64; 2]> {
-    let mut pose = task.from;
+fn corners(request: &PathRequest, way: &[ArmSegment]) -> Vec<[f64; 2]> {
+    let mut pose = request.from;
     let mut corners = Vec::new();
     for segment in way {
-        pose = task.facts().moved(pose, segment.arm, segment.way_um);
+        pose = request.facts().moved(pose, segment.arm, segment.way_um);
         if segment.arm == Arm::Up {
-            corners.push(task.facts().orbit_centre_um(pose));
+            corners.push(request.facts().orbit_centre_um(pose));
         }
     }
-    let goal_um = task.facts().orbit_centre_um(task.to);
+    let goal_um = request.facts().orbit_centre_um(request.to);
     corners.retain(|corner| (corner[0] - goal_um[0]).hypotenuse(corner[1] - goal_um[1]) > SHORTEST_UM);
     corners
 }
 
 /// The path over corners to the goal, ending with the free optimum.
-fn over(task: &DriveTask, corners: &[[f64; 2]]) -> Option<Vec<ArmSegment>> {
-    let mut pose = task.from;
+fn over(request: &PathRequest, corners: &[[f64; 2]]) -> Option<Vec<ArmSegment>> {
+    let mut pose = request.from;
     let mut way = Vec::with_capacity(2 * corners.len() + 5);
     for corner in corners {
-        let leg = task.leg_to(pose, *corner)?;
-        pose = task.end(pose, &leg);
+        let leg = request.leg_to(pose, *corner)?;
+        pose = request.end(pose, &leg);
         way.extend(leg);
     }
-    way.extend(free::shortest(task.facts(), pose, task.to));
+    way.extend(free::shortest(request.facts(), pose, request.to));
     Some(joined(way))
 }
 
 /// Whether the corners give a shorter path that is free; it then becomes the best one.
-fn improves(task: &DriveTask, corners: &[[f64; 2]], best: &mut (f64, Vec<ArmSegment>), tries: &mut usize) -> bool {
+fn improves(request: &PathRequest, corners: &[[f64; 2]], best: &mut (f64, Vec<ArmSegment>), tries: &mut usize) -> bool {
     *tries += 1;
-    let Some(way) = over(task, corners) else { return false };
+    let Some(way) = over(request, corners) else { return false };
     let length_um = free::length_um(&way);
-    let better = length_um < best.0 - LEAST_GAIN_UM && task.is_free(task.from, &way);
+    let better = length_um < best.0 - LEAST_GAIN_UM && request.is_free(request.from, &way);
     if better {
         *best = (length_um, way);
     }
@@ -72,14 +72,14 @@ fn improves(task: &DriveTask, corners: &[[f64; 2]], best: &mut (f64, Vec<ArmSegm
 }
 
 fn leave_one_out(
-    task: &DriveTask,
+    request: &PathRequest,
     corners: &mut Vec<[f64; 2]>,
     best: &mut (f64, Vec<ArmSegment>),
     tries: &mut usize,
 ) -> bool {
     for index in 0..corners.len() {
         let corner = corners.remove(index);
-        if improves(task, corners, best, tries) {
+        if improves(request, corners, best, tries) {
             return true;
         }
         corners.insert(index, corner);
@@ -88,7 +88,7 @@ fn leave_one_out(
 }
 
 fn move_one(
-    task: &DriveTask,
+    request: &PathRequest,
     corners: &mut [[f64; 2]],
     best: &mut (f64, Vec<ArmSegment>),
     tries: &mut usize,
@@ -110,7 +110,7 @@ fn move_one(
         let before = corners[index];
         for [dx, dy] in moves {
             corners[index] = [before[0] + dx, before[1] + dy];
-            if improves(task, corners, best, tries) {
+            if improves(request, corners, best, tries) {
                 moved = true;
                 break;
             }

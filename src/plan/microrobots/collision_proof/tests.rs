@@ -1,4 +1,5 @@
-//! Doomed robots compared with all sequences of arm positions on a coarse clock, by independent motion and distances.
+//! Proofs of inevitable collisions compared with all sequences of arm positions on a coarse clock, by independent
+//! motion and distances.
 
 use super::*;
 use crate::device::microrobots::Turning;
@@ -22,13 +23,13 @@ const KEEP_UM: f64 = 10.0;
 const HALF_UM: [f64; 2] = [125.0, 30.0];
 
 impl Trap {
-    fn doomed(&self, needed_um: f64) -> Option<DoomedRobot> {
+    fn inevitable_collision(&self, needed_um: f64) -> Option<InevitableCollision> {
         let facts = crate::device::microrobots::Robot { turning: self.turning, ..robot("D1", self.radius_um, 0.015) };
         let discs = self.discs.iter().map(|([x_um, y_um], radius_um)| {
             obstacle("o", Shape::Disc { radius_um: *radius_um }, pose(*x_um, *y_um, 0.0))
         });
         let order = bed(vec![(facts, self.start)], discs.collect());
-        doomed(&World::new(&order), 0, self.start, needed_um)
+        inevitable_collision(&CollisionWorld::new(&order), 0, self.start, needed_um)
     }
 
     /// Whether a body at a pose keeps the clearance, by distances of discs in its own frame.
@@ -78,7 +79,7 @@ fn trap(random: &mut SplitMix64) -> Trap {
 }
 
 #[test]
-fn a_doomed_robot_survives_no_sequence_of_arm_positions() {
+fn a_robot_with_a_proof_survives_no_sequence_of_arm_positions() {
     let mut random = SplitMix64::new(41);
     let (mut proven, mut lost) = (0, 0);
     for _ in 0..400 {
@@ -86,19 +87,20 @@ fn a_doomed_robot_survives_no_sequence_of_arm_positions() {
         if !trap.is_free(trap.place()) {
             continue;
         }
-        match trap.doomed(1e6) {
-            Some(doom) => {
+        match trap.inevitable_collision(1e6) {
+            Some(collision) => {
                 proven += 1;
                 assert!(
-                    !trap.survives(trap.place(), PIECES, doom.way_um / f64::from(PIECES)),
+                    !trap.survives(trap.place(), PIECES, collision.way_um / f64::from(PIECES)),
                     "{:?} {:?}",
                     trap.start,
                     trap.discs
                 );
                 assert!(
-                    doom.obstacles.iter().all(|obstacle| *obstacle < trap.discs.len()) && !doom.obstacles.is_empty()
+                    collision.obstacles.iter().all(|obstacle| *obstacle < trap.discs.len())
+                        && !collision.obstacles.is_empty()
                 );
-                assert_eq!(trap.doomed(doom.way_um * 0.99), None, "that far it may come");
+                assert_eq!(trap.inevitable_collision(collision.way_um * 0.99), None, "that far it may come");
             }
             None => lost += u64::from(!trap.survives(trap.place(), PIECES, 150.0 / f64::from(PIECES))),
         }
@@ -109,15 +111,15 @@ fn a_doomed_robot_survives_no_sequence_of_arm_positions() {
 
 /// The same disc, ahead and a little beside: past the second one the robot turns away.
 #[test]
-fn a_robot_before_a_disc_is_doomed_and_one_that_turns_past_it_is_not() {
+fn a_robot_before_a_disc_must_meet_it_and_one_that_turns_past_it_need_not() {
     let at = |y_um: f64| Trap {
         radius_um: 160.0,
         turning: Turning::Clockwise,
         start: pose(0.0, 0.0, 0.0),
         discs: vec![([125.0 + 30.0 + 100.0, y_um], 100.0)],
     };
-    let doom = at(0.0).doomed(1_000.0).expect("it runs or turns into the disc");
-    assert!(doom.obstacles == [0] && (20.0..60.0).contains(&doom.way_um), "{doom:?}");
-    assert_eq!(at(0.0).doomed(10.0), None);
-    assert_eq!(at(120.0).doomed(1_000.0), None);
+    let collision = at(0.0).inevitable_collision(1_000.0).expect("it runs or turns into the disc");
+    assert!(collision.obstacles == [0] && (20.0..60.0).contains(&collision.way_um), "{collision:?}");
+    assert_eq!(at(0.0).inevitable_collision(10.0), None);
+    assert_eq!(at(120.0).inevitable_collision(1_000.0), None);
 }

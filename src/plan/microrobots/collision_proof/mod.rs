@@ -21,7 +21,7 @@
 //! in room that depend only on where the robot has run straight. Cost: at most `MAX_SQUARES` squares along each axis,
 //! each with distances to the obstacles.
 
-use super::world::World;
+use super::world::CollisionWorld;
 use crate::geometry::{Pose, Rounded};
 use crate::real::Real;
 use std::collections::BTreeSet;
@@ -33,12 +33,12 @@ const LOOSE_UM: f64 = 2e-3;
 /// Side of a square of the plane, as a share of the turning radius.
 const SQUARE_SHARE: f64 = 0.0125;
 
-/// Most squares along one axis; a robot that comes so far is not called doomed.
+/// Most squares along one axis; a robot that comes so far has no proof.
 const MAX_SQUARES: usize = 200;
 
-/// A robot that cannot be driven as far as a step needs.
+/// The collision of a robot that cannot be driven as far as a step needs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DoomedRobot {
+pub struct InevitableCollision {
     pub robot: usize,
     /// Indices of the obstacles that it meets, ascending; every path meets one of them.
     pub obstacles: Vec<usize>,
@@ -48,7 +48,12 @@ pub struct DoomedRobot {
 
 /// Proves that a robot cannot be driven for `needed_um` of its path from a pose, whatever its arm does; `None` if there
 /// is no such proof.
-pub fn doomed(world: &World, robot: usize, pose: Pose, needed_um: f64) -> Option<DoomedRobot> {
+pub fn inevitable_collision(
+    world: &CollisionWorld,
+    robot: usize,
+    pose: Pose,
+    needed_um: f64,
+) -> Option<InevitableCollision> {
     let plane = ArmPlane::new(world, robot, pose);
     let mut is_seen = vec![false; MAX_SQUARES * MAX_SQUARES];
     let (mut open, mut obstacles, mut most): (Vec<[usize; 2]>, BTreeSet<usize>, usize) =
@@ -67,12 +72,12 @@ pub fn doomed(world: &World, robot: usize, pose: Pose, needed_um: f64) -> Option
         }
         open.extend([[run, turn + 1], [run + 1, turn]]);
     }
-    Some(DoomedRobot { robot, obstacles: obstacles.into_iter().collect(), way_um: most as f64 * plane.side_um })
+    Some(InevitableCollision { robot, obstacles: obstacles.into_iter().collect(), way_um: most as f64 * plane.side_um })
 }
 
 /// The plane of a robot's straight and turning paths.
 struct ArmPlane<'a> {
-    world: &'a World,
+    world: &'a CollisionWorld,
     robot: usize,
     heading_rad: f64,
     /// Turning centre at the start.
@@ -84,7 +89,7 @@ struct ArmPlane<'a> {
 }
 
 impl<'a> ArmPlane<'a> {
-    fn new(world: &'a World, robot: usize, pose: Pose) -> ArmPlane<'a> {
+    fn new(world: &'a CollisionWorld, robot: usize, pose: Pose) -> ArmPlane<'a> {
         let facts = &world.body(robot).robot;
         ArmPlane {
             world,

@@ -13,7 +13,7 @@ use crate::geometry::Pose;
 use crate::geometry::distance::{point_segment, segment_core};
 use crate::plan::microrobots::fine::Cycles;
 use crate::plan::microrobots::free::turn_rad;
-use crate::plan::microrobots::world::{BedPoses, World};
+use crate::plan::microrobots::world::{BedPoses, CollisionWorld};
 use crate::real::Real;
 use nalgebra::Point2;
 use std::f64::consts::PI;
@@ -37,11 +37,11 @@ pub struct AssemblyEstimate {
     /// Radius of each robot's orbit disc.
     reach_um: Vec<f64>,
     /// In order of docking; the first two together if `has_pair`.
-    seats: Vec<Seat>,
+    places: Vec<DockingPlace>,
     has_pair: bool,
     /// Robots that are neither docked nor to dock, and orbit all the time.
     idle: Vec<usize>,
-    world: World,
+    world: CollisionWorld,
     /// Outline axes and half widths of docked bodies.
     rests: Vec<([Point2<f64>; 2], f64)>,
     orbit_keep_um: f64,
@@ -50,7 +50,7 @@ pub struct AssemblyEstimate {
 
 /// A robot's place in the structure.
 #[derive(Debug, Clone)]
-pub struct Seat {
+pub struct DockingPlace {
     pub robot: usize,
     /// Pose at the start of its fine motion, and the centre of its turn there.
     approach: Pose,
@@ -63,22 +63,22 @@ pub struct Seat {
 
 impl AssemblyEstimate {
     /// Estimate for an order; `None` if no robot is left to dock.
-    pub fn new(order: &MicrorobotsOrder, world: &World, bed: &BedPoses, docks: &[Dock]) -> Option<Self> {
+    pub fn new(order: &MicrorobotsOrder, world: &CollisionWorld, bed: &BedPoses, docks: &[Dock]) -> Option<Self> {
         let downs =
             |robot: usize| (0..world.state_count()).filter(|state| world.arm(*state, robot) == Arm::Down).count();
         let mut open: Vec<&Dock> = docks.iter().filter(|dock| !bed.docked[dock.robot]).collect();
         open.sort_by_key(|dock| downs(dock.robot));
         let has_pair = !bed.docked.contains(&true) && open.len() >= 2;
-        let seats: Vec<Seat> =
-            open.iter().enumerate().map(|(at, dock)| seat(order, &open, at, has_pair && at < 2, dock)).collect();
+        let places: Vec<DockingPlace> =
+            open.iter().enumerate().map(|(at, dock)| place(order, &open, at, has_pair && at < 2, dock)).collect();
         let is_idle = |robot: &usize| !bed.docked[*robot] && open.iter().all(|dock| dock.robot != *robot);
         let robots: Vec<Robot> = (0..world.count()).map(|robot| order.robot(robot).clone()).collect();
         let rests = (0..world.count()).filter(|robot| bed.docked[*robot]);
         let rests = rests.map(|robot| (axis(&robots[robot], bed.poses[robot]), robots[robot].width_um / 2.0)).collect();
-        (!seats.is_empty()).then(|| AssemblyEstimate {
+        (!places.is_empty()).then(|| AssemblyEstimate {
             reach_um: robots.iter().map(Robot::orbit_reach_um).collect(),
             robots,
-            seats,
+            places,
             has_pair,
             idle: (0..world.count()).filter(is_idle).collect(),
             world: world.clone(),
@@ -94,10 +94,10 @@ impl AssemblyEstimate {
             self.robots.iter().zip(poses).map(|(robot, pose)| robot.orbit_centre_um(*pose)).collect();
         let singles = if self.has_pair { 2 } else { 0 };
         let mut strokes = if self.has_pair { self.pair(poses, &centres) } else { 0.0 };
-        for at in singles..self.seats.len() {
-            let seat = &self.seats[at];
-            strokes += self.single(seat, centres[seat.robot]);
-            strokes += self.lacking(at + 1, seat, &[centres[seat.robot], seat.centre_um], &centres, at);
+        for at in singles..self.places.len() {
+            let place = &self.places[at];
+            strokes += self.single(place, centres[place.robot]);
+            strokes += self.lacking(at + 1, place, &[centres[place.robot], place.centre_um], &centres, at);
         }
         strokes + self.orbits(&centres)
     }
@@ -107,29 +107,29 @@ impl AssemblyEstimate {
     }
 
     /// Path from a turning circle to that of the approach, and the turn there.
-    fn way_um(&self, seat: &Seat, centre_um: Point) -> f64 {
-        let [dx, dy] = [0, 1].map(|axis| seat.centre_um[axis] - centre_um[axis]);
-        let robot = &self.robots[seat.robot];
-        let turn_rad = turn_rad(robot, dy.arc_tangent_over(dx), seat.approach.heading_rad);
+    fn way_um(&self, place: &DockingPlace, centre_um: Point) -> f64 {
+        let [dx, dy] = [0, 1].map(|axis| place.centre_um[axis] - centre_um[axis]);
+        let robot = &self.robots[place.robot];
+        let turn_rad = turn_rad(robot, dy.arc_tangent_over(dx), place.approach.heading_rad);
         dx.hypotenuse(dy) + robot.turning_radius_um * turn_rad
     }
 
-    fn single(&self, seat: &Seat, centre_um: Point) -> f64 {
-        let half_um = PI * self.robots[seat.robot].turning_radius_um;
-        (half_um + self.way_um(seat, centre_um)) / self.stroke_um(seat.robot)
+    fn single(&self, place: &DockingPlace, centre_um: Point) -> f64 {
+        let half_um = PI * self.robots[place.robot].turning_radius_um;
+        (half_um + self.way_um(place, centre_um)) / self.stroke_um(place.robot)
     }
 
     /// Strokes of the first two robots: the first one's path to where it begins to run straight, then the second one's
     /// path.
     fn pair(&self, poses: &[Pose], centres: &[Point]) -> f64 {
-        let [first, second] = [&self.seats[0], &self.seats[1]];
-        let robots = [first, second].map(|seat| &self.robots[seat.robot]);
+        let [first, second] = [&self.places[0], &self.places[1]];
+        let robots = [first, second].map(|place| &self.robots[place.robot]);
         let half = PI * robots[1].turning_radius_um / robots[1].step_um;
         let later = self.way_um(second, centres[second.robot]) / robots[1].step_um;
         let back_um = later * robots[0].step_um;
         let (sin, cos) = first.approach.heading_rad.sine_cosine();
         let turn_um = [first.centre_um[0] - back_um * cos, first.centre_um[1] - back_um * sin];
-        let halt = Seat { centre_um: turn_um, ..first.clone() };
+        let halt = DockingPlace { centre_um: turn_um, ..first.clone() };
         let pose = poses[first.robot];
         let here_um = centres[first.robot];
         let aim_rad = (turn_um[1] - here_um[1]).arc_tangent_over(turn_um[0] - here_um[0]);
@@ -143,35 +143,35 @@ impl AssemblyEstimate {
         before + later + half + lacking
     }
 
-    /// Penalty in strokes for lacking room along a steered robot's path, while idle robots and those of the seats from
-    /// `later` on wait; the first `docked` seats are taken.
-    fn lacking(&self, later: usize, seat: &Seat, way: &[Point; 2], centres: &[Point], docked: usize) -> f64 {
-        let waiting = self.seats[later..].iter().map(|seat| seat.robot).chain(self.idle.iter().copied());
-        let mut strokes: f64 = waiting.map(|robot| self.beside(seat, way, robot, centres[robot])).sum();
-        let [reach_um, half_um] = [self.reach_um[seat.robot], self.robots[seat.robot].width_um / 2.0];
+    /// Penalty in strokes for lacking room along a steered robot's path, while idle robots and those of the places from
+    /// `later` on wait; the first `docked` places are taken.
+    fn lacking(&self, later: usize, place: &DockingPlace, way: &[Point; 2], centres: &[Point], docked: usize) -> f64 {
+        let waiting = self.places[later..].iter().map(|place| place.robot).chain(self.idle.iter().copied());
+        let mut strokes: f64 = waiting.map(|robot| self.beside(place, way, robot, centres[robot])).sum();
+        let [reach_um, half_um] = [self.reach_um[place.robot], self.robots[place.robot].width_um / 2.0];
         let line = way.map(|[x, y]| Point2::new(x, y));
         for body in self.world.obstacles() {
             let gap_um = segment_core(line, &body.core) - body.radius_um - self.keep_um;
-            strokes += self.charge(seat.robot, gap_um - reach_um, WANTED)
-                + self.charge(seat.robot, gap_um - half_um, REQUIRED);
+            strokes += self.charge(place.robot, gap_um - reach_um, WANTED)
+                + self.charge(place.robot, gap_um - half_um, REQUIRED);
         }
-        let taken = self.seats[..docked].iter().map(|seat| (seat.axis, self.robots[seat.robot].width_um / 2.0));
+        let taken = self.places[..docked].iter().map(|place| (place.axis, self.robots[place.robot].width_um / 2.0));
         for (axis, wide_um) in self.rests.iter().copied().chain(taken) {
             let gap_um = apart_um(line, axis) - wide_um - self.keep_um;
-            strokes += self.charge(seat.robot, gap_um - reach_um, WANTED);
+            strokes += self.charge(place.robot, gap_um - reach_um, WANTED);
         }
         strokes
     }
 
     /// The same for one waiting robot: beside the path, and beside the last stretch before the goal.
-    fn beside(&self, seat: &Seat, way: &[Point; 2], robot: usize, [x, y]: Point) -> f64 {
+    fn beside(&self, place: &DockingPlace, way: &[Point; 2], robot: usize, [x, y]: Point) -> f64 {
         let (at, disc_um) = (Point2::new(x, y), self.reach_um[robot] + self.orbit_keep_um);
-        let [reach_um, half_um] = [self.reach_um[seat.robot], self.robots[seat.robot].width_um / 2.0];
+        let [reach_um, half_um] = [self.reach_um[place.robot], self.robots[place.robot].width_um / 2.0];
         let gap_um = point_segment(at, way.map(|[x, y]| Point2::new(x, y))) - disc_um;
-        let lane_um = point_segment(at, seat.lane) - disc_um - half_um;
-        let wanted_um = gap_um - reach_um - WANTED_SHARE * self.robots[seat.robot].turning_radius_um;
-        self.charge(seat.robot, wanted_um, WANTED)
-            + self.charge(seat.robot, gap_um.min(lane_um + half_um) - half_um, REQUIRED)
+        let lane_um = point_segment(at, place.lane) - disc_um - half_um;
+        let wanted_um = gap_um - reach_um - WANTED_SHARE * self.robots[place.robot].turning_radius_um;
+        self.charge(place.robot, wanted_um, WANTED)
+            + self.charge(place.robot, gap_um.min(lane_um + half_um) - half_um, REQUIRED)
     }
 
     /// Penalty in strokes for a gap below 0.
@@ -181,9 +181,9 @@ impl AssemblyEstimate {
 
     /// Penalty for orbits of waiting robots that are too near to each other, to obstacles and to docked bodies.
     fn orbits(&self, centres: &[Point]) -> f64 {
-        let waits = |seat: &Seat| seat.robot;
+        let waits = |place: &DockingPlace| place.robot;
         let first = usize::from(self.has_pair);
-        let waiting: Vec<usize> = self.seats[first..].iter().map(waits).chain(self.idle.iter().copied()).collect();
+        let waiting: Vec<usize> = self.places[first..].iter().map(waits).chain(self.idle.iter().copied()).collect();
         let mut strokes = 0.0;
         for (index, &robot) in waiting.iter().enumerate() {
             let at = Point2::new(centres[robot][0], centres[robot][1]);
@@ -204,8 +204,8 @@ impl AssemblyEstimate {
     }
 }
 
-/// Seat of a dock, which is number `at` in the docking order.
-fn seat(order: &MicrorobotsOrder, open: &[&Dock], at: usize, is_paired: bool, dock: &Dock) -> Seat {
+/// Place of a dock, which is number `at` in the docking order.
+fn place(order: &MicrorobotsOrder, open: &[&Dock], at: usize, is_paired: bool, dock: &Dock) -> DockingPlace {
     let (robot, goal, fine) = (order.robot(dock.robot), dock.goal.pose, &order.facts.fine);
     let approach = if is_paired {
         let cycles = Cycles::<3>::symmetric(fine, &[0, 1].map(|at| order.robot(open[at].robot).step_um));
@@ -217,7 +217,7 @@ fn seat(order: &MicrorobotsOrder, open: &[&Dock], at: usize, is_paired: bool, do
     let axis = axis(robot, goal);
     let [back, _] = self::axis(robot, approach);
     let lane = [back, axis[1]];
-    Seat { robot: dock.robot, approach, centre_um: robot.orbit_centre_um(approach), lane, axis }
+    DockingPlace { robot: dock.robot, approach, centre_um: robot.orbit_centre_um(approach), lane, axis }
 }
 
 /// The axis of a body, from its back to its front.

@@ -3,7 +3,7 @@
 //!
 //! An edge has one heading, whatever the turns before and after it, so each pair is tested once.
 
-use super::{DriveTask, SHORTEST_UM};
+use super::{PathRequest, SHORTEST_UM};
 use crate::device::microrobots::Arm;
 use crate::plan::microrobots::free::ArmSegment;
 use crate::real::Real;
@@ -19,16 +19,16 @@ pub(super) struct Graph {
 
 impl Graph {
     /// Tests every pair of corners.
-    pub(super) fn new(task: &DriveTask, corners: &[[f64; 2]]) -> Self {
+    pub(super) fn new(request: &PathRequest, corners: &[[f64; 2]]) -> Self {
         let count = corners.len();
-        let goal_um = task.facts().orbit_centre_um(task.to);
+        let goal_um = request.facts().orbit_centre_um(request.to);
         let mut leads = vec![false; count * count];
         for (from, a) in corners.iter().enumerate() {
             for (to, b) in corners.iter().enumerate() {
-                leads[from * count + to] = is_free(task, *a, *b);
+                leads[from * count + to] = is_free(request, *a, *b);
             }
         }
-        let rest_um = corners.iter().map(|corner| last_um(task, *corner, goal_um)).collect();
+        let rest_um = corners.iter().map(|corner| last_um(request, *corner, goal_um)).collect();
         let mut graph = Graph { count, leads, rest_um };
         graph.settle(corners);
         graph
@@ -64,16 +64,16 @@ fn apart_um(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Length of the last run, if it is free.
-fn last_um(task: &DriveTask, corner: [f64; 2], goal_um: [f64; 2]) -> f64 {
+fn last_um(request: &PathRequest, corner: [f64; 2], goal_um: [f64; 2]) -> f64 {
     let way_um = apart_um(corner, goal_um);
-    if way_um <= SHORTEST_UM || is_free(task, corner, goal_um) { way_um } else { f64::INFINITY }
+    if way_um <= SHORTEST_UM || is_free(request, corner, goal_um) { way_um } else { f64::INFINITY }
 }
 
-fn is_free(task: &DriveTask, a: [f64; 2], b: [f64; 2]) -> bool {
+fn is_free(request: &PathRequest, a: [f64; 2], b: [f64; 2]) -> bool {
     let way_um = apart_um(a, b);
     if way_um <= SHORTEST_UM {
         return false;
     }
-    let from = task.pose_about(a, (b[1] - a[1]).arc_tangent_over(b[0] - a[0]));
-    task.world.obstruction(task.robot, from, ArmSegment { arm: Arm::Up, way_um }, task.fixtures).is_none()
+    let from = request.pose_about(a, (b[1] - a[1]).arc_tangent_over(b[0] - a[0]));
+    request.world.obstruction(request.robot, from, ArmSegment { arm: Arm::Up, way_um }, request.fixtures).is_none()
 }

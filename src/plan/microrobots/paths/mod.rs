@@ -20,7 +20,7 @@ mod graph;
 mod shorten;
 
 use super::free::{self, ArmSegment, joined};
-use super::world::{Fixtures, Obstruction, World};
+use super::world::{CollisionWorld, Fixtures, Obstruction};
 use crate::device::microrobots::{Arm, Robot};
 use crate::geometry::Pose;
 use crate::plan::search::Meter;
@@ -33,16 +33,16 @@ use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
 /// The searches, one after the other until one finds a path.
-const STAGES: [WaySearch; 5] = [
-    WaySearch { corners: 48, weight: 1.0, states: 1_000 },
-    WaySearch { corners: 96, weight: 1.2, states: 2_000 },
-    WaySearch { corners: 192, weight: 1.5, states: 4_000 },
-    WaySearch { corners: 384, weight: 2.0, states: 20_000 },
-    WaySearch { corners: 640, weight: 3.0, states: 40_000 },
+const STAGES: [PathSearchSettings; 5] = [
+    PathSearchSettings { corners: 48, weight: 1.0, states: 1_000 },
+    PathSearchSettings { corners: 96, weight: 1.2, states: 2_000 },
+    PathSearchSettings { corners: 192, weight: 1.5, states: 4_000 },
+    PathSearchSettings { corners: 384, weight: 2.0, states: 20_000 },
+    PathSearchSettings { corners: 640, weight: 3.0, states: 40_000 },
 ];
 
 /// Settings of one search.
-struct WaySearch {
+struct PathSearchSettings {
     /// Number of corners used.
     corners: usize,
     /// Heuristic weight (weighted A*): above 1 the search is greedier, and its path may be longer by this factor.
@@ -62,8 +62,8 @@ const MAX_STATES: usize = 2_000_000;
 
 /// A path request.
 #[derive(Clone, Copy)]
-pub struct DriveTask<'a> {
-    pub world: &'a World,
+pub struct PathRequest<'a> {
+    pub world: &'a CollisionWorld,
     pub robot: usize,
     pub from: Pose,
     pub to: Pose,
@@ -72,8 +72,8 @@ pub struct DriveTask<'a> {
 
 /// A free path.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FreeWay {
-    pub way: Vec<ArmSegment>,
+pub struct FreePath {
+    pub segments: Vec<ArmSegment>,
     pub length_um: f64,
     /// Lower bound on any path to the goal, whatever the surroundings.
     pub bound_um: f64,
@@ -81,7 +81,7 @@ pub struct FreeWay {
 
 /// Why there is no path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoWay {
+pub enum PathFailure {
     /// A proof: the robot is too near to this at its start.
     Start(Obstruction),
     /// A proof: it would be too near to this at its goal.
@@ -92,43 +92,43 @@ pub enum NoWay {
     GaveUp(Obstruction),
 }
 
-impl<'a> DriveTask<'a> {
+impl<'a> PathRequest<'a> {
     /// A path around everything.
-    pub fn find(&self, meter: &mut Meter) -> Result<FreeWay, NoWay> {
+    pub fn find(&self, meter: &mut Meter) -> Result<FreePath, PathFailure> {
         let blocked = match self.direct() {
             Ok(found) => return Ok(found),
             Err(blocked) => blocked,
         };
         let at = |pose| self.world.obstruction_at(self.robot, pose, self.fixtures);
-        at(self.from).map_or(Ok(()), |found| Err(NoWay::Start(found)))?;
-        at(self.to).map_or(Ok(()), |found| Err(NoWay::Goal(found)))?;
+        at(self.from).map_or(Ok(()), |found| Err(PathFailure::Start(found)))?;
+        at(self.to).map_or(Ok(()), |found| Err(PathFailure::Goal(found)))?;
         let bound_um = free::distance_um(self.facts(), self.from, self.to);
         let mut corners = OrderedCorners::around(self);
         for stage in STAGES {
             let corners = corners.first(self, stage.corners);
             let edges = (corners.len() * corners.len()) as u64 / EDGES_A_STEP;
             if meter.left().steps <= edges {
-                return Err(NoWay::GaveUp(blocked));
+                return Err(PathFailure::GaveUp(blocked));
             }
             meter.charge(edges);
             if let Some(way) = CornerSearch::new(self, corners, stage).run(meter, blocked)? {
                 let way = shorten::shortened(self, way);
-                return Ok(FreeWay { length_um: free::length_um(&way), way, bound_um });
+                return Ok(FreePath { length_um: free::length_um(&way), segments: way, bound_um });
             }
         }
-        Err(NoWay::Blocked(blocked))
+        Err(PathFailure::Blocked(blocked))
     }
 
     /// The free optimum if it is unobstructed, or the other free path if it is as short; otherwise the obstruction of
     /// the optimum.
-    pub fn direct(&self) -> Result<FreeWay, Obstruction> {
+    pub fn direct(&self) -> Result<FreePath, Obstruction> {
         let words = free::words(self.facts(), self.from, self.to);
         let radius_um = self.facts().turning_radius_um;
         let bound_um = words[0].length_um(radius_um);
         let tried = words.map(|word| {
             let way = word.segments(radius_um);
             match self.obstruction_on(self.from, &way) {
-                None => Ok(FreeWay { length_um: free::length_um(&way), way, bound_um }),
+                None => Ok(FreePath { length_um: free::length_um(&way), segments: way, bound_um }),
                 Some(found) => Err(found),
             }
         });
@@ -178,10 +178,10 @@ const SHORTEST_UM: f64 = 0.5;
 
 /// A search over a set of corners.
 struct CornerSearch<'a> {
-    task: &'a DriveTask<'a>,
+    request: &'a PathRequest<'a>,
     corners: &'a [[f64; 2]],
     graph: Graph,
-    stage: WaySearch,
+    stage: PathSearchSettings,
     states: Vec<CornerState>,
     queue: BinaryHeap<Reverse<CornerEntry>>,
     /// Least cost at which a corner was expanded, by heading.
@@ -226,34 +226,35 @@ impl PartialEq for CornerEntry {
 impl Eq for CornerEntry {}
 
 impl<'a> CornerSearch<'a> {
-    fn new(task: &'a DriveTask<'a>, corners: &'a [[f64; 2]], stage: WaySearch) -> Self {
+    fn new(request: &'a PathRequest<'a>, corners: &'a [[f64; 2]], stage: PathSearchSettings) -> Self {
         let (states, queue, done) = (Vec::new(), BinaryHeap::new(), FxHashMap::default());
-        let mut search = CornerSearch { task, corners, graph: Graph::new(task, corners), stage, states, queue, done };
-        search.push(CornerState { pose: task.from, cost_um: 0.0, corner: START, before: START });
+        let mut search =
+            CornerSearch { request, corners, graph: Graph::new(request, corners), stage, states, queue, done };
+        search.push(CornerState { pose: request.from, cost_um: 0.0, corner: START, before: START });
         search
     }
 
     /// The cheapest path over the corners; `None` if there is none.
-    fn run(mut self, meter: &mut Meter, blocked: Obstruction) -> Result<Option<Vec<ArmSegment>>, NoWay> {
+    fn run(mut self, meter: &mut Meter, blocked: Obstruction) -> Result<Option<Vec<ArmSegment>>, PathFailure> {
         let mut taken = 0;
         while let Some(Reverse(CornerEntry { state: index, .. })) = self.queue.pop() {
             if taken >= self.stage.states {
                 return Ok(None);
             }
             taken += 1;
-            meter.step().ok_or(NoWay::GaveUp(blocked))?;
+            meter.step().ok_or(PathFailure::GaveUp(blocked))?;
             let state = self.states[index as usize];
             if self.is_done(&state) || !self.is_reached(&state) {
                 continue;
             }
             self.settle(&state);
-            let rest = free::shortest(self.task.facts(), state.pose, self.task.to);
-            if self.task.is_free(state.pose, &rest) {
-                return Ok(Some(self.way_to(index, rest)));
+            let rest = free::shortest(self.request.facts(), state.pose, self.request.to);
+            if self.request.is_free(state.pose, &rest) {
+                return Ok(Some(self.path_to(index, rest)));
             }
             self.expand(index);
             if self.states.len() > MAX_STATES {
-                return Err(NoWay::GaveUp(blocked));
+                return Err(PathFailure::GaveUp(blocked));
             }
         }
         Ok(None)
@@ -274,9 +275,9 @@ impl<'a> CornerSearch<'a> {
     /// Whether the last leg to a state is free. Runs between corners were already tested for the graph.
     fn is_reached(&self, state: &CornerState) -> bool {
         let Some(before) = self.states.get(state.before as usize) else { return true };
-        let leg = self.task.leg_to(before.pose, self.corners[state.corner as usize]);
+        let leg = self.request.leg_to(before.pose, self.corners[state.corner as usize]);
         let asked = if before.corner == START { 2 } else { 1 };
-        leg.is_some_and(|leg| self.task.is_free(before.pose, &leg[..asked]))
+        leg.is_some_and(|leg| self.request.is_free(before.pose, &leg[..asked]))
     }
 
     fn expand(&mut self, index: u32) {
@@ -285,10 +286,10 @@ impl<'a> CornerSearch<'a> {
             if state.corner != START && !self.graph.leads(state.corner as usize, corner) {
                 continue;
             }
-            let Some(leg) = self.task.leg_to(state.pose, self.corners[corner]) else { continue };
+            let Some(leg) = self.request.leg_to(state.pose, self.corners[corner]) else { continue };
             let heading_rad = state.pose.heading_rad
-                + self.task.facts().turning.sign() * leg[0].way_um / self.task.facts().turning_radius_um;
-            let pose = self.task.pose_about(self.corners[corner], heading_rad);
+                + self.request.facts().turning.sign() * leg[0].way_um / self.request.facts().turning_radius_um;
+            let pose = self.request.pose_about(self.corners[corner], heading_rad);
             let cost_um = state.cost_um + leg[0].way_um + leg[1].way_um;
             self.push(CornerState { pose, cost_um, corner: corner as u32, before: index });
         }
@@ -300,19 +301,19 @@ impl<'a> CornerSearch<'a> {
         if self.is_done(&state) || known_um.is_infinite() {
             return;
         }
-        let turn_rad = free::turn_rad(self.task.facts(), state.pose.heading_rad, self.task.to.heading_rad);
-        let known_um = known_um + turn_rad * self.task.facts().turning_radius_um;
-        let rest_um = free::distance_um(self.task.facts(), state.pose, self.task.to);
+        let turn_rad = free::turn_rad(self.request.facts(), state.pose.heading_rad, self.request.to.heading_rad);
+        let known_um = known_um + turn_rad * self.request.facts().turning_radius_um;
+        let rest_um = free::distance_um(self.request.facts(), state.pose, self.request.to);
         let estimate_um = state.cost_um + self.stage.weight * rest_um.max(known_um);
         self.queue.push(Reverse(CornerEntry { estimate_um, state: self.states.len() as u32 }));
         self.states.push(state);
     }
 
-    fn way_to(&self, index: u32, rest: Vec<ArmSegment>) -> Vec<ArmSegment> {
+    fn path_to(&self, index: u32, rest: Vec<ArmSegment>) -> Vec<ArmSegment> {
         let mut legs: Vec<[ArmSegment; 2]> = Vec::new();
         let mut state = &self.states[index as usize];
         while let Some(before) = self.states.get(state.before as usize) {
-            legs.extend(self.task.leg_to(before.pose, self.corners[state.corner as usize]));
+            legs.extend(self.request.leg_to(before.pose, self.corners[state.corner as usize]));
             state = before;
         }
         joined(legs.into_iter().rev().flatten().chain(rest))

@@ -6,7 +6,7 @@
 //! side. In addition: points on the first and the last heading, and a coarse lattice. A candidate is kept only if the
 //! robot can be there with some heading.
 
-use super::DriveTask;
+use super::PathRequest;
 use crate::geometry::{Core, Rounded};
 use crate::plan::microrobots::free;
 use crate::plan::microrobots::world::{MARGIN_UM, OrbitDisc, OrientedRectangle};
@@ -38,13 +38,13 @@ pub(super) struct OrderedCorners {
 }
 
 impl OrderedCorners {
-    pub(super) fn around(task: &DriveTask) -> Self {
+    pub(super) fn around(request: &PathRequest) -> Self {
         let mut found = Vec::new();
-        let points = points(task);
-        points.iter().for_each(|point| around_point(task, point, &mut found));
-        along_headings(task, &mut found);
-        lattice(task, &points, &mut found);
-        let cost_um = |corner: [f64; 2]| cost_um(task, corner);
+        let points = points(request);
+        points.iter().for_each(|point| around_point(request, point, &mut found));
+        along_headings(request, &mut found);
+        lattice(request, &points, &mut found);
+        let cost_um = |corner: [f64; 2]| cost_um(request, corner);
         let mut ranked: Vec<(f64, [f64; 2])> = found.into_iter().map(|corner| (cost_um(corner), corner)).collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1[0].total_cmp(&b.1[0])).then(a.1[1].total_cmp(&b.1[1])));
         let ranked: Vec<[f64; 2]> = ranked.into_iter().map(|(_, corner)| corner).collect();
@@ -52,11 +52,11 @@ impl OrderedCorners {
     }
 
     /// The first `count` corners at which the robot can be; fewer if there are no more.
-    pub(super) fn first(&mut self, task: &DriveTask, count: usize) -> &[[f64; 2]] {
+    pub(super) fn first(&mut self, request: &PathRequest, count: usize) -> &[[f64; 2]] {
         while self.kept.len() < count {
             let Some(corner) = self.ranked.next() else { break };
             let far = |other: &[f64; 2]| (other[0] - corner[0]).hypotenuse(other[1] - corner[1]) > SAME_UM;
-            if self.kept.iter().all(far) && is_usable(task, corner) {
+            if self.kept.iter().all(far) && is_usable(request, corner) {
                 self.kept.push(corner);
             }
         }
@@ -65,16 +65,16 @@ impl OrderedCorners {
 }
 
 /// Cost of a path via a corner without obstacles: a turn and a run to the corner, then the free optimum.
-fn cost_um(task: &DriveTask, corner: [f64; 2]) -> f64 {
-    let Some([turn, run]) = task.leg_to(task.from, corner) else { return f64::INFINITY };
-    let pose = task.end(task.from, &[turn, run]);
-    turn.way_um + run.way_um + free::distance_um(task.facts(), pose, task.to)
+fn cost_um(request: &PathRequest, corner: [f64; 2]) -> f64 {
+    let Some([turn, run]) = request.leg_to(request.from, corner) else { return f64::INFINITY };
+    let pose = request.end(request.from, &[turn, run]);
+    turn.way_um + run.way_um + free::distance_um(request.facts(), pose, request.to)
 }
 
-fn is_usable(task: &DriveTask, corner: [f64; 2]) -> bool {
+fn is_usable(request: &PathRequest, corner: [f64; 2]) -> bool {
     (0..2 * DIRECTIONS).any(|direction| {
-        let pose = task.pose_about(corner, TAU * direction as f64 / (2 * DIRECTIONS) as f64);
-        task.world.obstruction_at(task.robot, pose, task.fixtures).is_none()
+        let pose = request.pose_about(corner, TAU * direction as f64 / (2 * DIRECTIONS) as f64);
+        request.world.obstruction_at(request.robot, pose, request.fixtures).is_none()
     })
 }
 
@@ -87,16 +87,16 @@ struct CornerPoint {
     heading_rad: f64,
 }
 
-fn points(task: &DriveTask) -> Vec<CornerPoint> {
-    let [keep_um, orbit_keep_um] = task.world.keeps_um();
+fn points(request: &PathRequest) -> Vec<CornerPoint> {
+    let [keep_um, orbit_keep_um] = request.world.keeps_um();
     let mut points = Vec::new();
-    for body in task.world.obstacles() {
+    for body in request.world.obstacles() {
         of_obstacle(body, keep_um, &mut points);
     }
-    for body in &task.fixtures.bodies {
+    for body in &request.fixtures.bodies {
         of_rectangle(body, keep_um, &mut points);
     }
-    for disc in &task.fixtures.discs {
+    for disc in &request.fixtures.discs {
         of_disc(disc, orbit_keep_um, &mut points);
     }
     points.truncate(MAX_POINTS);
@@ -141,9 +141,9 @@ fn of_disc(disc: &OrbitDisc, keep_um: f64, points: &mut Vec<CornerPoint>) {
     }));
 }
 
-fn around_point(task: &DriveTask, point: &CornerPoint, found: &mut Vec<[f64; 2]>) {
-    let body = task.world.body(task.robot);
-    let radius_um = task.facts().turning_radius_um;
+fn around_point(request: &PathRequest, point: &CornerPoint, found: &mut Vec<[f64; 2]>) {
+    let body = request.world.body(request.robot);
+    let radius_um = request.facts().turning_radius_um;
     let [half_length_um, half_width_um] = body.half_um;
     let keep_um = point.keep_um + ROOM_UM;
     let inner_um = radius_um - half_width_um - keep_um;
@@ -158,7 +158,7 @@ fn around_point(task: &DriveTask, point: &CornerPoint, found: &mut Vec<[f64; 2]>
         found.extend((inner_um > 0.0).then(|| at(inner_um, 0.0)));
         if direction % 2 == 0 {
             // The centre is on the side to which the robot turns; the point may be between them or on the other side.
-            let sign = task.facts().turning.sign();
+            let sign = request.facts().turning.sign();
             for left_um in [sign * beside_um, sign * inner_um] {
                 found.extend([at(-beyond_um, left_um), at(beyond_um, left_um)]);
             }
@@ -168,28 +168,28 @@ fn around_point(task: &DriveTask, point: &CornerPoint, found: &mut Vec<[f64; 2]>
 }
 
 /// Points ahead of the start and behind the goal.
-fn along_headings(task: &DriveTask, found: &mut Vec<[f64; 2]>) {
-    let far_um = 2.0 * free::distance_um(task.facts(), task.from, task.to);
-    for (pose, sign) in [(task.from, 1.0), (task.to, -1.0)] {
-        let [x, y] = task.facts().orbit_centre_um(pose);
+fn along_headings(request: &PathRequest, found: &mut Vec<[f64; 2]>) {
+    let far_um = 2.0 * free::distance_um(request.facts(), request.from, request.to);
+    for (pose, sign) in [(request.from, 1.0), (request.to, -1.0)] {
+        let [x, y] = request.facts().orbit_centre_um(pose);
         let (sin, cos) = pose.heading_rad.sine_cosine();
-        let mut way_um = task.facts().turning_radius_um / 4.0;
+        let mut way_um = request.facts().turning_radius_um / 4.0;
         while way_um < far_um {
             found.push([x + sign * way_um * cos, y + sign * way_um * sin]);
             way_um *= 1.5;
         }
     }
     // The corner of the straight–turn–straight path.
-    found.extend(free::words(task.facts(), task.from, task.to).map(|word| {
-        let [x, y] = task.facts().orbit_centre_um(task.from);
-        let (sin, cos) = (task.from.heading_rad + task.facts().turning.sign() * word.turns_rad[0]).sine_cosine();
+    found.extend(free::words(request.facts(), request.from, request.to).map(|word| {
+        let [x, y] = request.facts().orbit_centre_um(request.from);
+        let (sin, cos) = (request.from.heading_rad + request.facts().turning.sign() * word.turns_rad[0]).sine_cosine();
         [x + word.runs_um[0] * cos, y + word.runs_um[0] * sin]
     }));
 }
 
-fn lattice(task: &DriveTask, points: &[CornerPoint], found: &mut Vec<[f64; 2]>) {
-    let reach_um = 2.0 * task.world.body(task.robot).reach_um;
-    let ends = [task.from, task.to].map(|pose| task.facts().orbit_centre_um(pose));
+fn lattice(request: &PathRequest, points: &[CornerPoint], found: &mut Vec<[f64; 2]>) {
+    let reach_um = 2.0 * request.world.body(request.robot).reach_um;
+    let ends = [request.from, request.to].map(|pose| request.facts().orbit_centre_um(pose));
     let all = || ends.iter().copied().chain(points.iter().map(|point| point.at_um));
     let low = [0, 1].map(|axis| all().map(|at| at[axis]).fold(f64::INFINITY, f64::min) - reach_um);
     let high = [0, 1].map(|axis| all().map(|at| at[axis]).fold(f64::NEG_INFINITY, f64::max) + reach_um);

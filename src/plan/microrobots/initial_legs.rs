@@ -1,5 +1,6 @@
 //! Initial legs of a step, drawn at random: the whole bed moves before the step proper, which then finds more room or a
-//! faster way. Assemblies search for their initial legs ([`super::gathering`]) and draw them only if that finds none.
+//! faster way. Assemblies search for their initial legs ([`super::initial_leg_search`]) and draw them only if that
+//! finds none.
 //!
 //! Problem: every robot moves with every stroke, so what stands in the way of a step, and which orbit lies over a goal,
 //! depend on where the step begins. Method: random sequences of a few legs in control states that keep docked arms up,
@@ -7,13 +8,13 @@
 //! of collisions, consecutive legs have different states, and the same request gives the same sequences. Not
 //! guaranteed: that one of them helps. Cost: one check of its legs against the collision rules per sequence.
 
-use super::world::{BedPoses, World};
+use super::world::{BedPoses, CollisionWorld};
 use super::{Leg, RobotDocking};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::random::SplitMix64;
 
-/// Most legs of a departure.
+/// Most initial legs of a step.
 const MAX_LEGS: usize = 3;
 
 /// Most sequences drawn in search of one that is free of collisions; then the iterator ends.
@@ -28,14 +29,14 @@ const LEAST_SPAN_UM: f64 = 800.0;
 
 /// Initial legs, and the bed after them.
 #[derive(Debug, Clone)]
-pub struct Departure {
+pub struct InitialLegs {
     pub legs: Vec<Leg>,
     pub bed: BedPoses,
 }
 
-/// Departures from a bed, in a fixed random order.
-pub struct Departures<'a> {
-    world: &'a World,
+/// Draws of initial legs for a bed, in a fixed random order.
+pub struct RandomInitialLegs<'a> {
+    world: &'a CollisionWorld,
     bed: &'a BedPoses,
     random: SplitMix64,
     /// Control states that keep the arms of docked robots up.
@@ -44,15 +45,15 @@ pub struct Departures<'a> {
     most_strokes: u64,
 }
 
-impl<'a> Departures<'a> {
-    /// Departures for robots with these goals; another seed gives other sequences.
+impl<'a> RandomInitialLegs<'a> {
+    /// Initial legs for robots with these goals; another seed gives other sequences.
     pub fn new(
         order: &MicrorobotsOrder,
-        world: &'a World,
+        world: &'a CollisionWorld,
         bed: &'a BedPoses,
         goals: impl Iterator<Item = Pose>,
         seed: u64,
-    ) -> Departures<'a> {
+    ) -> RandomInitialLegs<'a> {
         let moving = || (0..world.count()).filter(|robot| !bed.docked[*robot]);
         let poses: Vec<Pose> = moving().map(|robot| bed.poses[robot]).chain(goals).collect();
         let extent_um = |of: fn(&Pose) -> f64| {
@@ -62,11 +63,11 @@ impl<'a> Departures<'a> {
         let span_um = extent_um(|pose| pose.x_um).max(extent_um(|pose| pose.y_um)).max(LEAST_SPAN_UM);
         let step_um = moving().map(|robot| order.robot(robot).step_um).fold(0.0, f64::max);
         let states = if step_um > 0.0 { world.state_count() } else { 0 };
-        Departures {
+        RandomInitialLegs {
             world,
             bed,
             random: SplitMix64::new(seed),
-            states: (0..states).filter(|state| world.spares(*state, &bed.docked)).collect(),
+            states: (0..states).filter(|state| world.keeps_docked_arms_up(*state, &bed.docked)).collect(),
             most_strokes: (span_um / step_um.max(f64::MIN_POSITIVE)) as u64,
         }
     }
@@ -86,20 +87,20 @@ impl<'a> Departures<'a> {
     }
 }
 
-impl Iterator for Departures<'_> {
-    type Item = Departure;
+impl Iterator for RandomInitialLegs<'_> {
+    type Item = InitialLegs;
 
-    fn next(&mut self) -> Option<Departure> {
+    fn next(&mut self) -> Option<InitialLegs> {
         const NONE: [RobotDocking; 0] = [];
         if self.states.is_empty() {
             return None;
         }
         for _ in 0..MAX_DRAWS {
             let legs = self.draw();
-            if self.bed.first_hit(self.world, &legs, &NONE).is_none() {
+            if self.bed.first_collision(self.world, &legs, &NONE).is_none() {
                 let mut bed = self.bed.clone();
                 bed.follow(self.world, &legs, &NONE);
-                return Some(Departure { legs, bed });
+                return Some(InitialLegs { legs, bed });
             }
         }
         None

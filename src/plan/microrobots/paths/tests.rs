@@ -18,28 +18,34 @@ fn found(
     obstacles: Vec<crate::claims::microrobots::MicrorobotsObstacle>,
     from: Pose,
     to: Pose,
-) -> Result<(FreeWay, u64), NoWay> {
+) -> Result<(FreePath, u64), PathFailure> {
     let order = bed(vec![(robot("D1", 150.0, 0.015), from)], obstacles);
-    let world = World::new(&order);
+    let world = CollisionWorld::new(&order);
     let fixtures = Fixtures::default();
-    let task = DriveTask { world: &world, robot: 0, from, to, fixtures: &fixtures };
+    let request = PathRequest { world: &world, robot: 0, from, to, fixtures: &fixtures };
     let mut meter = Meter::new(SearchBudget::of(200_000));
-    let found = task.find(&mut meter)?;
+    let found = request.find(&mut meter)?;
     let mut at = from;
-    for segment in &found.way {
+    for segment in &found.segments {
         for part in 0..=200 {
-            let pose = task.facts().moved(at, segment.arm, segment.way_um * f64::from(part) / 200.0);
+            let pose = request.facts().moved(at, segment.arm, segment.way_um * f64::from(part) / 200.0);
             assert!(world.room_um(0, pose, &fixtures) >= 0.0);
         }
-        at = task.facts().moved(at, segment.arm, segment.way_um);
+        at = request.facts().moved(at, segment.arm, segment.way_um);
     }
     assert!((at.x_um - to.x_um).hypot(at.y_um - to.y_um) < 1e-3, "{at:?}");
     assert!(
-        free::turn_rad(task.facts(), at.heading_rad, to.heading_rad)
-            .min(TAU - free::turn_rad(task.facts(), at.heading_rad, to.heading_rad))
+        free::turn_rad(request.facts(), at.heading_rad, to.heading_rad)
+            .min(TAU - free::turn_rad(request.facts(), at.heading_rad, to.heading_rad))
             < 1e-6
     );
-    println!("{:.1} of {:.1} in {} legs, {} taken", found.length_um, found.bound_um, found.way.len(), meter.spent());
+    println!(
+        "{:.1} of {:.1} in {} legs, {} taken",
+        found.length_um,
+        found.bound_um,
+        found.segments.len(),
+        meter.spent()
+    );
     Ok((found, meter.spent()))
 }
 
@@ -82,9 +88,9 @@ fn a_corridor_is_followed() {
 fn bad_ends_are_proofs() {
     let from = pose(0.0, 0.0, 0.0);
     let bad = found(vec![disc(1_000.0, 0.0, 50.0)], from, pose(1_000.0, 0.0, 90.0)).map(|_| ());
-    assert_eq!(bad, Err(NoWay::Goal(Obstruction::Obstacle(0))));
+    assert_eq!(bad, Err(PathFailure::Goal(Obstruction::Obstacle(0))));
     let bad = found(vec![disc(0.0, 0.0, 50.0)], from, pose(1_000.0, 0.0, 90.0)).map(|_| ());
-    assert_eq!(bad, Err(NoWay::Start(Obstruction::Obstacle(0))));
+    assert_eq!(bad, Err(PathFailure::Start(Obstruction::Obstacle(0))));
 }
 
 #[test]
@@ -96,5 +102,5 @@ fn a_cage_is_not_left() {
         obstacle("bottom", Shape::Box { size_um: [600.0, 40.0] }, Pose::at(0.0, -250.0)),
     ];
     let bad = found(cage, pose(0.0, 0.0, 0.0), pose(2_000.0, 0.0, 0.0)).map(|_| ());
-    assert!(matches!(bad, Err(NoWay::Blocked(_))), "{bad:?}");
+    assert!(matches!(bad, Err(PathFailure::Blocked(_))), "{bad:?}");
 }

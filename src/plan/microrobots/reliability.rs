@@ -9,14 +9,14 @@
 //! trials in all.
 
 use super::simulation::{self, SimulationReport};
-use super::steps::{BedRoute, FirstLegs, carried_out};
+use super::steps::{BedRoute, InitialLegChoice, plan_steps};
 use super::why::with_errors;
 use super::{Crew, MicrorobotsMotion};
 use crate::claims::Job;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::MicrorobotsObjective;
 use crate::diagnostic::{Code, Diagnostic, Remark, Sink};
-use crate::plan::watch::HeldPlan;
+use crate::plan::watch::IncumbentPlan;
 use crate::quantity::digits;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -77,24 +77,24 @@ const DOUBTFUL_SHARE: f64 = 0.5;
 pub const EXPECTED: &str = "expected";
 
 /// Returns the plan of a job whose trials fail least; `fastest` is one of the candidates.
-pub fn safest(order: &MicrorobotsOrder, start: &Crew, is_first: bool, fastest: BedRoute) -> BedRoute {
+pub fn most_reliable(order: &MicrorobotsOrder, start: &Crew, is_first: bool, fastest: BedRoute) -> BedRoute {
     let can_fail = order.facts.errors.is_some_and(|errors| !errors.are_zero());
     if !can_fail || !assembles(order) {
         return fastest;
     }
     let rooms = ROOMS.map(|shares| widened(order, shares));
-    let planned = |room: usize, first_legs: FirstLegs, routes: &mut Vec<(usize, BedRoute)>| {
-        let route = carried_out(order, &rooms[room], start, is_first, first_legs, &mut Sink::default());
+    let planned = |room: usize, initial_legs: InitialLegChoice, routes: &mut Vec<(usize, BedRoute)>| {
+        let route = plan_steps(order, &rooms[room], start, is_first, initial_legs, &mut Sink::default());
         let is_new = |route: &BedRoute| routes.iter().all(|other| other.1.motion != route.motion);
         if let Some(route) = route.filter(is_new) {
             routes.push((room, route));
         }
     };
-    let _held = HeldPlan::begin(|| format!("{:.1} s", fastest.motion.duration_ns(order) as f64 / 1e9));
+    let _held = IncumbentPlan::begin(|| format!("{:.1} s", fastest.motion.duration_ns(order) as f64 / 1e9));
     let mut routes = vec![(0, fastest)];
-    planned(0, FirstLegs::None, &mut routes);
+    planned(0, InitialLegChoice::None, &mut routes);
     for room in 0..ROOMS.len() {
-        (1..=FIRST_DRAWS).for_each(|seed| planned(room, FirstLegs::Drawn(seed), &mut routes));
+        (1..=FIRST_DRAWS).for_each(|seed| planned(room, InitialLegChoice::Drawn(seed), &mut routes));
     }
     let all = |routes: &[(usize, BedRoute)]| (0..routes.len()).collect::<Vec<usize>>();
     let mut good: Vec<usize> = Vec::new();
@@ -104,7 +104,7 @@ pub fn safest(order: &MicrorobotsOrder, start: &Crew, is_first: bool, fastest: B
         }
     }
     for room in good {
-        (FIRST_DRAWS + 1..=DRAWS).for_each(|seed| planned(room, FirstLegs::Drawn(seed), &mut routes));
+        (FIRST_DRAWS + 1..=DRAWS).for_each(|seed| planned(room, InitialLegChoice::Drawn(seed), &mut routes));
     }
     let mut kept = all(&routes);
     for (trials, most) in ROUNDS {
@@ -127,7 +127,7 @@ fn ranked(order: &MicrorobotsOrder, routes: &[(usize, BedRoute)], mut kept: Vec<
 
 /// Share of simulated trials of a plan that fail; adds a remark on it, and a warning if most fail. `None` if nothing is
 /// assembled, the device does not state its errors, or the plan is too long to be simulated.
-pub fn expected(
+pub fn failure_share(
     job: &Job,
     order: &MicrorobotsOrder,
     motion: &MicrorobotsMotion,
