@@ -38,7 +38,7 @@ pub fn bounds(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -
             let cost = match known.iter().find(|known| known.is(leg, next, start)) {
                 Some(known) => known.cost,
                 None => {
-                    let cost = apart(request, leg, next, start, estimator, meter)?;
+                    let cost = leg_cost(request, leg, next, start, estimator, meter)?;
                     known.push(KnownLeg { leg, next, start, cost });
                     cost
                 }
@@ -77,7 +77,7 @@ fn begins(request: &GraspRequest, route: &[TurnLeg], at: usize) -> Start {
 }
 
 /// Cost of a leg alone: `Some(None)` if it has no path, `None` if a budget runs out.
-fn apart(
+fn leg_cost(
     request: &GraspRequest,
     leg: &TurnLeg,
     next: Option<&TurnLeg>,
