@@ -38,15 +38,15 @@ pub struct Sections<'a> {
     lapses: BTreeMap<(TableKey, usize), u32>,
     /// Lazily evaluated grasps under a load.
     lazy: BTreeMap<LazyKey, Rc<LazyGraspEvaluator>>,
-    loaded: LoadedSections,
+    load_evaluation: LoadEvaluation,
     looks: Rc<LooksBudget>,
 }
 
 /// Evaluation of grasps under a load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LoadedSections {
+pub enum LoadEvaluation {
     /// Lazily, grasp by grasp, as the search meets them.
-    Asked,
+    Lazy,
     /// Eagerly: tables of all grasps at all angles are built before the search, which gives better bounds from the start.
     Tabulated,
 }
@@ -89,7 +89,7 @@ impl<'a> Sections<'a> {
             known: BTreeMap::new(),
             lapses: BTreeMap::new(),
             lazy: BTreeMap::new(),
-            loaded: LoadedSections::Asked,
+            load_evaluation: LoadEvaluation::Lazy,
             looks,
         })
     }
@@ -105,8 +105,8 @@ impl<'a> Sections<'a> {
     }
 
     /// Selects how a load is evaluated from now on.
-    pub fn deal_with_load(&mut self, loaded: LoadedSections) {
-        self.loaded = loaded;
+    pub fn set_load_evaluation(&mut self, load_evaluation: LoadEvaluation) {
+        self.load_evaluation = load_evaluation;
     }
 
     fn ready(&self, plane: Plane) -> &Ready<'a> {
@@ -285,7 +285,7 @@ impl<'a> Sections<'a> {
 
     /// Lazy evaluator of a leg under the load; `None` without a load, or if the leg has tables of its own.
     fn lazy(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Option<Rc<LazyGraspEvaluator>> {
-        if self.order.load_un == [0.0; 3] || self.loaded == LoadedSections::Tabulated {
+        if self.order.load_un == [0.0; 3] || self.load_evaluation == LoadEvaluation::Tabulated {
             return None;
         }
         let key = lazy_key(plane, orientation);

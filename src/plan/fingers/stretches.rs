@@ -7,11 +7,11 @@
 use super::course::{follow, reconfigurations};
 use super::graph::{
     self, Estimator, FarthestRoute, Grasp, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, GraspSearchEnd,
-    Start, Within,
+    GraspSearchLimits, Start,
 };
 use super::mechanics::NoTables;
 use super::routes::{Holding, LegEnd, RouteTurn, Routes, routes, takes_hold};
-use super::sections::{LoadedSections, RollingCheck, Sections};
+use super::sections::{LoadEvaluation, RollingCheck, Sections};
 use super::tip_motion::{self, FingerAct, FingersCourse, TipMotionError};
 use super::{FingersMotion, HeldGrasp, Stance};
 use crate::claims::Job;
@@ -159,7 +159,7 @@ pub fn plan_task(sections: &mut Sections, request: &TaskRequest) -> Result<Plann
     let course = FingersCourse { start, steps: tally.acts };
     let motion = sections.hand().motion(&course).map_err(NoTaskPlan::NoMotion)?;
     let end = tip_motion::end(&motion);
-    if let Some(share) = kept_back(order).filter(|_| tally.sums.cost > 0) {
+    if let Some(share) = rolling_reserve_percent(order).filter(|_| tally.sums.cost > 0) {
         let text = format!("{share} % of friction and forces while it rolls (`rolling_reserve`)");
         tally.sums.remarks.push(Remark { subject: "kept back".to_owned(), text });
     }
@@ -169,7 +169,7 @@ pub fn plan_task(sections: &mut Sections, request: &TaskRequest) -> Result<Plann
 
 /// Reserve while tips roll, in percent; `None` if it is zero or has no effect, since every grasp holds with adhesion
 /// and without a load.
-pub fn kept_back(order: &FingersOrder) -> Option<String> {
+pub fn rolling_reserve_percent(order: &FingersOrder) -> Option<String> {
     let facts = &order.facts;
     let counts = facts.rolling_reserve > 0.0 && (facts.sticking_un() == 0.0 || order.load_un != [0.0; 3]);
     counts.then(|| digits(facts.rolling_reserve * 100.0))
@@ -461,9 +461,9 @@ pub fn sound(
     let looks = Rc::clone(sections.looks());
     let answer = looks.with_half(|| lasting(order, sections, planned, orientation, chosen));
     let Ok(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })) = answer else { return answer };
-    sections.deal_with_load(LoadedSections::Tabulated);
+    sections.set_load_evaluation(LoadEvaluation::Tabulated);
     let tabulated = lasting(order, sections, planned, orientation, chosen);
-    sections.deal_with_load(LoadedSections::Asked);
+    sections.set_load_evaluation(LoadEvaluation::Lazy);
     Ok(tabulated.unwrap_or(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })))
 }
 
@@ -551,7 +551,7 @@ fn answer(
             FirstCriterion::Effort => costs(order),
             FirstCriterion::Reconfigurations => GraspCosts { roll: 1, gait: MORE_THAN_ALL_ROLLING },
         },
-        within: Within { gaits: chosen.gaits, looks: Rc::clone(sections.looks()) },
+        limits: GraspSearchLimits { gaits: chosen.gaits, looks: Rc::clone(sections.looks()) },
     };
     Ok(match order.planner {
         FingersPlanner::JointAstar => graph::solve(&request, Estimator::Layers, budget),

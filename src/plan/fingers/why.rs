@@ -7,8 +7,8 @@ use super::mechanics::{Contacts, GripModel, Load, NoTables};
 use super::routes::{Holding, RouteTurn, Routes, routes};
 use super::sections::Sections;
 use super::stretches::{
-    FirstCriterion, LeftOpen, NoTaskPlan, PathChoice, StretchStart, TaskRequest, grasp_text, kept_back, most_looks,
-    plan_task, sound,
+    FirstCriterion, LeftOpen, NoTaskPlan, PathChoice, StretchStart, TaskRequest, grasp_text, most_looks, plan_task,
+    rolling_reserve_percent, sound,
 };
 use super::tip_motion::TipMotionError;
 use crate::claims::Job;
@@ -179,7 +179,10 @@ impl HandReasons<'_> {
         let leans = leans && self.order.load_un.iter().any(|un| *un != 0.0);
         let without = if leans { "; tips that only push must hold without the load, too" } else { "" };
         Diagnostic::new(Code::E0601, title)
-            .label(self.span(), format!("{}{without}{}", self.where_blocked(blocked, leg, next), self.kept_back()))
+            .label(
+                self.span(),
+                format!("{}{without}{}", self.where_blocked(blocked, leg, next), self.rolling_reserve_note()),
+            )
             .help_if(self.openings(&trials))
             .reached(self.reach(blocked, leg))
     }
@@ -280,8 +283,8 @@ impl HandReasons<'_> {
 
     /// Text on an assumption of the proof besides the figures of the device: the rolling reserve; empty if it has no
     /// effect.
-    fn kept_back(&self) -> String {
-        match kept_back(self.order) {
+    fn rolling_reserve_note(&self) -> String {
+        match rolling_reserve_percent(self.order) {
             Some(share) => format!("; {share} % of friction and forces are held in reserve while it rolls"),
             None => String::new(),
         }
@@ -329,7 +332,7 @@ impl HandReasons<'_> {
             let sticking = with(&|facts| facts.adhesion = Adhesion::Sticking);
             changes.extend(has_plan(&sticking).then(|| "`adhesion: true`".to_owned()));
         }
-        if kept_back(order).is_some() && has_plan(&with(&|facts| facts.rolling_reserve = 0.0)) {
+        if rolling_reserve_percent(order).is_some() && has_plan(&with(&|facts| facts.rolling_reserve = 0.0)) {
             changes.push("`rolling_reserve: 0`".to_owned());
         }
         let friction = |value: f64| with(&|facts| facts.friction = value);

@@ -56,7 +56,7 @@ pub fn courses(request: &GraspRequest) -> Result<Vec<PreparedRoute>, u64> {
     let mut strands = |tables: &Arc<Tables>| match known.iter().find(|(other, _)| Arc::ptr_eq(other, tables)) {
         Some((_, strands)) => strands.clone(),
         None => {
-            request.within.looks.take(Strands::looks(tables));
+            request.limits.looks.take(Strands::looks(tables));
             let made = Rc::new(Strands::of(tables, angles(tables)));
             known.push((tables.clone(), made.clone()));
             made
@@ -67,8 +67,8 @@ pub fn courses(request: &GraspRequest) -> Result<Vec<PreparedRoute>, u64> {
         PreparedRoute {
             sets: sets.clone(),
             legs,
-            most_gaits: request.within.gaits,
-            looks: Rc::clone(&request.within.looks),
+            most_gaits: request.limits.gaits,
+            looks: Rc::clone(&request.limits.looks),
         }
     };
     Ok(request.routes.iter().map(course).collect())

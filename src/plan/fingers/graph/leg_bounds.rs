@@ -6,7 +6,7 @@
 
 use super::greedy::{alone, grasp};
 use super::route::cheapest_of_few;
-use super::{Estimator, GraspAnswer, GraspRequest, Regrasp, Start, TurnLeg, Within};
+use super::{Estimator, GraspAnswer, GraspRequest, GraspSearchLimits, Regrasp, Start, TurnLeg};
 use crate::plan::search::Meter;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -86,9 +86,9 @@ fn leg_cost(
     meter: &mut Meter,
 ) -> Option<Option<u64>> {
     let routes = vec![alone(leg, next)];
-    let within = Within { gaits: None, looks: Rc::clone(&request.within.looks) };
+    let limits = GraspSearchLimits { gaits: None, looks: Rc::clone(&request.limits.looks) };
     match cheapest_of_few(
-        &GraspRequest { fingers: request.fingers, start, routes, costs: request.costs, within },
+        &GraspRequest { fingers: request.fingers, start, routes, costs: request.costs, limits },
         estimator,
         meter,
     ) {

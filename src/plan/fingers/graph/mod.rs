@@ -131,12 +131,12 @@ pub struct GraspRequest {
     /// Alternatives, each a sequence of at least one leg, to be followed from first to last.
     pub routes: Vec<Vec<TurnLeg>>,
     pub costs: GraspCosts,
-    pub within: Within,
+    pub limits: GraspSearchLimits,
 }
 
 /// Limits of a search.
 #[derive(Debug, Clone, Default)]
-pub struct Within {
+pub struct GraspSearchLimits {
     /// Most reconfigurations of a path; `None`: unlimited.
     pub gaits: Option<u32>,
     /// Shared by all searches of a task.

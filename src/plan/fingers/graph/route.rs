@@ -146,7 +146,7 @@ impl<'a> RouteSearch<'a> {
             return found;
         }
         // With a limit on reconfigurations, the reach of the routes is not needed.
-        let blocked = match self.request.within.gaits {
+        let blocked = match self.request.limits.gaits {
             Some(_) => FarthestRoute::NOWHERE,
             None => blocked::<N>(self.courses, self.request.start),
         };
