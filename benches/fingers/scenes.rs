@@ -9,7 +9,7 @@ use std::sync::Arc;
 use tweeze::claims::fingers::Section;
 use tweeze::device::fingers::{Adhesion, FingersFacts};
 use tweeze::geometry::outline::{Curve, Outline};
-use tweeze::plan::fingers::graph::{Grasp, GraspCosts, GraspRequest, Regrasp, Start, TurnLeg, Within};
+use tweeze::plan::fingers::graph::{Grasp, GraspCosts, GraspRequest, GraspSearchLimits, Regrasp, Start, TurnLeg};
 use tweeze::plan::fingers::looks::LooksBudget;
 use tweeze::plan::fingers::mechanics::{Contacts, Load, TableRequest, tables};
 use tweeze::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
@@ -114,7 +114,7 @@ pub fn query(tables: &Arc<Tables>, start: [u32; 3], steps: i32, end: [u32; 3]) -
         start: Start::At(grasp(start)),
         routes: vec![vec![leg]],
         costs: COSTS,
-        within: Within::default(),
+        limits: GraspSearchLimits::default(),
     }
 }
 

@@ -228,7 +228,7 @@ fn derive(program: &ProgramSource) -> Result<Derived, Box<Refusal>> {
 
 fn replay(schedule: Schedule, derived: Derived) -> Result<Verified, Box<Refusal>> {
     let mut sink = Sink::default();
-    let accepted = verify::verify_program(schedule, &derived.claims, &derived.sources).accepted(&mut sink);
+    let accepted = verify::verify_program(schedule, &derived.claims, &derived.sources).into_verified(&mut sink);
     accepted.ok_or_else(|| Box::new(Refusal { sources: derived.sources, sink, exit: Exit::Refused }))
 }
 

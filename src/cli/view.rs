@@ -118,7 +118,7 @@ fn of_refused_log(arguments: &ViewArguments, bytes: &[u8], refusal: &Refusal) ->
     let Some(RefusedLog { schedule, derived, violations, provenance }) = verify::refused_bytes(path, bytes) else {
         return exit.into();
     };
-    let is_whole = crate::verify::is_whole(&schedule, &derived.claims);
+    let is_whole = crate::verify::is_consistent(&schedule, &derived.claims);
     let refused = RefusedSchedule::new(&schedule, is_whole, &derived.claims, violations, &derived.sources);
     let page = match emit::refused_page(&failed::stem(path), &refused, &provenance) {
         Ok(page) => page,

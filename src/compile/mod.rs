@@ -79,7 +79,8 @@ pub fn verified_plans<'a>(
     progress: Progress,
 ) -> Result<VerifiedPlans<'a>, CompileOutcome> {
     let (plans, schedule) = planned(claims, sources, sink, progress).ok_or(CompileOutcome::Errors)?;
-    let verified = verify::verify_program(schedule, claims, sources).accepted(sink).ok_or(CompileOutcome::Refused)?;
+    let verified =
+        verify::verify_program(schedule, claims, sources).into_verified(sink).ok_or(CompileOutcome::Refused)?;
     Ok(VerifiedPlans { plans, verified })
 }
 
@@ -104,7 +105,7 @@ pub fn compile(
     }
     let mut schedules = Vec::with_capacity(drafts.len());
     for (schedule, claims) in drafts {
-        let Some(verified) = verify::verify_program(schedule, claims, sources).accepted(sink) else { continue };
+        let Some(verified) = verify::verify_program(schedule, claims, sources).into_verified(sink) else { continue };
         observer.verified(&verified);
         schedules.push(verified);
     }

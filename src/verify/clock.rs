@@ -46,7 +46,7 @@ impl<'a> JudgedRun<'a> {
 
     /// A wait lasts as long as claimed.
     pub fn wait_lasts(&self, nth: usize, duration_ns: u64, findings: &mut Findings) {
-        findings.asked(Rule::Wait, 1);
+        findings.count_checks(Rule::Wait, 1);
         let step = self.step(nth);
         if step.duration_ns != duration_ns {
             let title = format!("the wait lasts {}, but {} in the program", ms(step.duration_ns), ms(duration_ns));
@@ -71,7 +71,7 @@ pub(super) fn runs<'a>(schedule: &'a Schedule, claims: &'a Claims, findings: &mu
 }
 
 fn plans(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
-    findings.asked(Rule::Plan, claims.jobs.len().max(1));
+    findings.count_checks(Rule::Plan, claims.jobs.len().max(1));
     let mut find = |time_ns, title| findings.push(Violation::new(Rule::Plan, time_ns, title));
     if schedule.name != claims.name {
         find(0, format!("the schedule is for `{}`, not for `{}`", schedule.name, claims.name));
@@ -113,7 +113,7 @@ fn of_devices<'a>(schedule: &'a Schedule, claims: &Claims) -> impl Iterator<Item
 
 fn steps(run: &JudgedRun, findings: &mut Findings) {
     let (recorded, claimed) = (run.steps.len(), run.job.steps());
-    findings.asked(Rule::Step, claimed.max(1));
+    findings.count_checks(Rule::Step, claimed.max(1));
     if recorded != claimed {
         let title = format!("the run of `{}` has {recorded} steps, but the task has {claimed}", run.job.task);
         findings.push(Violation::new(Rule::Step, run.plan.start_ns, title).label(run.job.span, "this task"));
@@ -141,7 +141,7 @@ fn steps(run: &JudgedRun, findings: &mut Findings) {
 }
 
 fn intervals(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
-    findings.asked(Rule::Interval, of_devices(schedule, claims).count());
+    findings.count_checks(Rule::Interval, of_devices(schedule, claims).count());
     for (index, actuation) in of_devices(schedule, claims) {
         let step = &schedule.steps[actuation.step as usize];
         let end_ns = step.end_ns();
@@ -202,7 +202,7 @@ pub(super) fn timeline(
     let mut due = Vec::with_capacity(claims.jobs.len());
     let run_ns = walk(&claims.timeline, 0, schedule, claims, &mut due, findings);
     let end_ns = run_ns.max(last_pulse_ns(runs, claims));
-    findings.asked(Rule::Timeline, claims.jobs.len() + 1);
+    findings.count_checks(Rule::Timeline, claims.jobs.len() + 1);
     if schedule.duration_ns != end_ns {
         let last = if end_ns > run_ns { "last pulse" } else { "last run" };
         let title = format!("the schedule lasts {}, but its {last} ends at {}", ms(schedule.duration_ns), ms(end_ns));
@@ -259,7 +259,7 @@ fn busy(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     }
     for (device, mut runs) in by_device {
         runs.sort_by_key(|(plan, _)| plan.start_ns);
-        findings.asked(Rule::Busy, runs.len());
+        findings.count_checks(Rule::Busy, runs.len());
         for pair in runs.windows(2) {
             let ((first, one), (second, other)) = (pair[0], pair[1]);
             let end_ns = first.end_ns();

@@ -30,7 +30,7 @@ pub struct Clearance {
     pub needed: f64,
     /// Upper bound on the error where a path is sampled: the true least distance may be smaller by this much, in
     /// `unit`.
-    pub within: f64,
+    pub error_bound: f64,
     pub unit: GapUnit,
     pub t_ns: u64,
     /// The nearest points of the two, in the coordinates of the scene, the board or the hand; z is 0 except for hands.
@@ -60,7 +60,7 @@ impl Default for Tally {
 
 impl Tally {
     /// Counts checks of a rule.
-    pub fn asked(&self, rule: Rule, times: usize) {
+    pub fn count_checks(&self, rule: Rule, times: usize) {
         let count = &self.checks[rule as usize];
         count.set(count.get().saturating_add(times as u64));
     }
@@ -85,10 +85,10 @@ impl Tally {
     }
 
     /// Widens the error bound of the least distance under a rule on a device.
-    pub fn off_by(&self, rule: Rule, device: &str, within: f64) {
+    pub fn widen_error(&self, rule: Rule, device: &str, error_bound: f64) {
         let mut nearest = self.nearest.borrow_mut();
         if let Some(found) = nearest.get_mut(&rule).and_then(|devices| devices.get_mut(device)) {
-            found.within = found.within.max(within);
+            found.error_bound = found.error_bound.max(error_bound);
         }
     }
 
@@ -113,7 +113,7 @@ mod tests {
             between,
             apart: gap_um,
             needed: 0.1,
-            within: 0.0,
+            error_bound: 0.0,
             unit,
             t_ns: 0,
             points,
@@ -124,7 +124,7 @@ mod tests {
     fn rules_that_were_asked_are_counted_in_their_order() {
         let tally = Tally::default();
         for (rule, times) in [(Rule::Sweep, 2), (Rule::Pulse, 3), (Rule::Sweep, 5), (Rule::Busy, 0)] {
-            tally.asked(rule, times);
+            tally.count_checks(rule, times);
         }
         assert_eq!(tally.evidence().checks, [(Rule::Pulse, 3), (Rule::Sweep, 7)]);
         assert_eq!((tally.times(Rule::Sweep), tally.times(Rule::Busy)), (7, 0));
@@ -143,11 +143,11 @@ mod tests {
             .for_each(|found| tally.near(found));
         apart.clone().into_iter().for_each(|found| tally.near(found));
         assert_eq!(tally.least(Rule::Sweep, "bot"), 1.5);
-        tally.off_by(Rule::Graze, "bot", 0.2);
-        tally.off_by(Rule::Graze, "bot", 0.1);
-        tally.off_by(Rule::Meet, "bot", 0.1);
+        tally.widen_error(Rule::Graze, "bot", 0.2);
+        tally.widen_error(Rule::Graze, "bot", 0.1);
+        tally.widen_error(Rule::Meet, "bot", 0.1);
         let [arm, graze] = apart;
-        let graze = Clearance { within: 0.2, ..graze };
+        let graze = Clearance { error_bound: 0.2, ..graze };
         assert_eq!(tally.evidence().clearances, [arm, first, graze]);
     }
 

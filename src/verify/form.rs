@@ -32,7 +32,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, findings: &mut Finding
 }
 
 fn references(schedule: &Schedule, findings: &mut Findings) {
-    findings.asked(Rule::Reference, 2 * schedule.actuations.len() + schedule.steps.len());
+    findings.count_checks(Rule::Reference, 2 * schedule.actuations.len() + schedule.steps.len());
     let mut find = |what: &str, index: usize, of: &str, named: u32, known: usize, time_ns: u64| {
         if named as usize >= known {
             let title = format!("{what} {index} names {of} {named}, but there are {known}, counted from 0");
@@ -49,7 +49,7 @@ fn references(schedule: &Schedule, findings: &mut Findings) {
 }
 
 fn actuation_numbers(schedule: &Schedule, findings: &mut Findings) {
-    findings.asked(Rule::Number, schedule.actuations.len());
+    findings.count_checks(Rule::Number, schedule.actuations.len());
     for (index, actuation) in schedule.actuations.iter().enumerate() {
         let Actuation { start_ns, duration_ns, from, to, .. } = *actuation;
         let fault = if duration_ns == 0 {
@@ -72,21 +72,21 @@ fn past_the_clock(start_ns: u64, duration_ns: u64) -> String {
 fn clock_numbers(schedule: &Schedule, findings: &mut Findings) {
     let steps = schedule.steps.iter().map(|step| ("step", step.start_ns, step.duration_ns)).enumerate();
     let plans = schedule.plans.iter().map(|plan| ("plan", plan.start_ns, plan.duration_ns)).enumerate();
-    findings.asked(Rule::Number, schedule.steps.len() + schedule.plans.len());
+    findings.count_checks(Rule::Number, schedule.steps.len() + schedule.plans.len());
     for (index, (what, start_ns, duration_ns)) in steps.chain(plans) {
         if start_ns.checked_add(duration_ns).is_none() {
             let title = format!("{what} {index} {}", past_the_clock(start_ns, duration_ns));
             findings.push(Violation::new(Rule::Number, start_ns, title));
         }
     }
-    findings.asked(Rule::Number, schedule.holds.len());
+    findings.count_checks(Rule::Number, schedule.holds.len());
     for (index, hold) in schedule.holds.iter().enumerate() {
         if hold.start_ns.checked_add(hold.terms.duration_ns).is_none() {
             let title = format!("wait {index} {}", past_the_clock(hold.start_ns, hold.terms.duration_ns));
             findings.push(Violation::new(Rule::Number, hold.start_ns, title));
         }
     }
-    findings.asked(Rule::Number, schedule.steps.iter().map(|step| step.operations.len()).sum());
+    findings.count_checks(Rule::Number, schedule.steps.iter().map(|step| step.operations.len()).sum());
     for (index, operation) in schedule.steps.iter().flat_map(|step| &step.operations).enumerate() {
         if operation.start_ns.checked_add(operation.duration_ns).is_none() {
             let title = format!("operation {index} {}", past_the_clock(operation.start_ns, operation.duration_ns));
@@ -97,7 +97,7 @@ fn clock_numbers(schedule: &Schedule, findings: &mut Findings) {
 
 fn figures(schedule: &Schedule, findings: &mut Findings) {
     let of_plan = |plan: &PlanRecord| 2 + plan.outcomes.len() + plan.bounds.len() + plan.states.len();
-    findings.asked(Rule::Number, schedule.steps.len() + schedule.plans.iter().map(of_plan).sum::<usize>());
+    findings.count_checks(Rule::Number, schedule.steps.len() + schedule.plans.iter().map(of_plan).sum::<usize>());
     for (index, step) in schedule.steps.iter().enumerate() {
         let floats: Vec<f64> = step.reached.iter().flat_map(Reached::floats).collect();
         if !floats.iter().all(|value| value.is_finite()) {
@@ -131,7 +131,7 @@ pub(super) fn is_auxiliary(channel: &Channel, claims: &Claims) -> bool {
 fn channels(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     let orders: BTreeMap<&str, &Order> = claims.jobs.iter().map(|job| (job.device.as_str(), &job.order)).collect();
     let mut met = BTreeSet::new();
-    findings.asked(Rule::Channel, schedule.channels.len());
+    findings.count_checks(Rule::Channel, schedule.channels.len());
     for channel in &schedule.channels {
         let own = is_auxiliary(channel, claims).then_some((channel.device.as_str(), ChannelUnit::Volt));
         let fault = match own.or_else(|| owner(&channel.name, &orders)) {
@@ -159,7 +159,7 @@ fn owner<'a>(name: &str, orders: &BTreeMap<&'a str, &Order>) -> Option<(&'a str,
 
 /// Channels of devices rest at 0 V; auxiliary outputs rest at the voltage of the program.
 fn rests(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
-    findings.asked(Rule::Output, schedule.channels.len());
+    findings.count_checks(Rule::Output, schedule.channels.len());
     for channel in &schedule.channels {
         let output = claims.outputs.get(&channel.device).filter(|_| is_auxiliary(channel, claims));
         let claimed_v = output.map_or(0.0, |output| output.rest_v);
@@ -172,7 +172,7 @@ fn rests(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
 }
 
 fn wires(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
-    findings.asked(Rule::Wire, schedule.channels.len());
+    findings.count_checks(Rule::Wire, schedule.channels.len());
     let shown = |wire: Option<&String>| wire.map_or("none".to_owned(), |wire| format!("`{wire}`"));
     for channel in &schedule.channels {
         let (recorded, claimed) = (channel.wire.as_ref(), claims.wires.get(&channel.name));
@@ -190,7 +190,7 @@ fn wires(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
 
 /// The instruments are those of the program, and every value that is played is within what they can give.
 fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
-    findings.asked(Rule::Wire, 1);
+    findings.count_checks(Rule::Wire, 1);
     if !schedule.bench.is_same(&claims.bench) {
         let title = "the instruments and their wires are not those of the program".to_owned();
         findings.push(Violation::new(Rule::Wire, 0, title));
@@ -204,7 +204,7 @@ fn bench(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     });
     for (channel, time_ns, levels) in at_rest.chain(played) {
         let Some((drive, instrument)) = claims.bench.drive(&channel.name) else { continue };
-        findings.asked(Rule::Wire, 1);
+        findings.count_checks(Rule::Wire, 1);
         let peak_v = instrument.facts.voltage().map_or(0.0, |output| output.peak_v);
         let is_played = |value: f64| match drive.link {
             Link::Amplifier { gain, limit_v, .. } => {
@@ -241,7 +241,7 @@ fn stage_speeds(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
         let Some(channel) = schedule.channels.get(actuation.channel as usize) else { continue };
         let Some((drive, _)) = claims.bench.drive(&channel.name) else { continue };
         let Some(most) = drive.limits.speed_um_per_s else { continue };
-        findings.asked(Rule::Wire, 1);
+        findings.count_checks(Rule::Wire, 1);
         let way_um = (actuation.to - actuation.from).abs();
         if way_um > most * (actuation.duration_ns as f64 / 1e9) * BENCH_ROUNDING {
             let (name, lasts) = (&channel.name, ms(actuation.duration_ns));
@@ -254,7 +254,7 @@ fn stage_speeds(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
 
 fn order(schedule: &Schedule, findings: &mut Findings) {
     let key = |actuation: &Actuation| (actuation.start_ns, actuation.channel);
-    findings.asked(Rule::Order, schedule.actuations.len());
+    findings.count_checks(Rule::Order, schedule.actuations.len());
     for (index, pair) in schedule.actuations.windows(2).enumerate() {
         if key(&pair[0]) > key(&pair[1]) {
             let title = format!(
@@ -272,7 +272,8 @@ fn order(schedule: &Schedule, findings: &mut Findings) {
 
 fn swings(schedule: &Schedule, claims: &Claims, findings: &mut Findings) {
     let orders: BTreeMap<&str, &Order> = claims.jobs.iter().map(|job| (job.device.as_str(), &job.order)).collect();
-    findings.asked(Rule::Swing, schedule.actuations.iter().filter(|actuation| actuation.swing.is_some()).count());
+    findings
+        .count_checks(Rule::Swing, schedule.actuations.iter().filter(|actuation| actuation.swing.is_some()).count());
     for (index, actuation) in schedule.actuations.iter().enumerate() {
         let channel = &schedule.channels[actuation.channel as usize];
         let order = orders.get(channel.device.as_str());
@@ -307,7 +308,7 @@ fn swing_fault(actuation: &Actuation, swing: Swing, order: Option<&Order>) -> Op
 fn overlaps(schedule: &Schedule, findings: &mut Findings) {
     let mut by_channel: Vec<&Actuation> = schedule.actuations.iter().collect();
     by_channel.sort_by_key(|actuation| (actuation.channel, actuation.start_ns));
-    findings.asked(Rule::Overlap, by_channel.len());
+    findings.count_checks(Rule::Overlap, by_channel.len());
     for pair in by_channel.windows(2) {
         let (first, second) = (pair[0], pair[1]);
         if first.channel == second.channel && second.start_ns < first.end_ns() {

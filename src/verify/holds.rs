@@ -29,7 +29,7 @@ pub(super) fn check(
         due.extend(run.job.holds.iter().map(|hold| (of_run(hold), index)));
     }
     due.sort_by_key(|(hold, _)| (hold.start_ns, hold.step));
-    findings.asked(Rule::Held, due.len().max(schedule.holds.len()));
+    findings.count_checks(Rule::Held, due.len().max(schedule.holds.len()));
     if !schedule.holds.iter().eq(due.iter().map(|(hold, _)| hold)) {
         let title = "the waits for inputs and people are not those of the program's steps".to_owned();
         let time_ns = schedule.holds.first().or(due.first().map(|(hold, _)| hold)).map_or(0, |hold| hold.start_ns);
@@ -51,7 +51,7 @@ pub(super) fn check(
                 "something else runs from {start} to {end}, during a wait that may end at any instant"
             )));
         }
-        findings.asked(Rule::Held, schedule.actuations.len());
+        findings.count_checks(Rule::Held, schedule.actuations.len());
         for actuation in schedule.actuations.iter().filter(|actuation| meets(actuation.start_ns, actuation.end_ns())) {
             let channel = &schedule.channels[actuation.channel as usize];
             let is_pulse = claims.outputs.get(&channel.device).is_some_and(|output| output.pulse_ns.is_some());

@@ -90,7 +90,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// The verified schedule; otherwise `None`, with the violations or the reason pushed to the sink.
-    pub fn accepted(self, sink: &mut Sink) -> Option<Verified> {
+    pub fn into_verified(self, sink: &mut Sink) -> Option<Verified> {
         match self {
             Verdict::Accepted(verified) => return Some(verified),
             Verdict::Rejected(violations) => violations.into_iter().for_each(|violation| sink.push(violation.into())),
@@ -111,9 +111,14 @@ pub fn verify_program(schedule: Schedule, claims: &Claims, sources: &Sources) ->
     verdict(found, schedule, claims, &tally)
 }
 
-fn verdict(found: Result<Vec<Violation>, Unfit>, schedule: Schedule, claims: &Claims, tally: &Tally) -> Verdict {
+fn verdict(
+    found: Result<Vec<Violation>, InvalidClaims>,
+    schedule: Schedule,
+    claims: &Claims,
+    tally: &Tally,
+) -> Verdict {
     match found {
-        Err(Unfit(why)) => Verdict::Inconclusive { why },
+        Err(InvalidClaims(why)) => Verdict::Inconclusive { why },
         Ok(violations) if violations.is_empty() => {
             Verdict::Accepted(Verified { held: Box::new((schedule, claims.clone(), tally.evidence())) })
         }
@@ -147,12 +152,12 @@ fn with_source_map(
 /// # Errors
 /// The reason why no schedule can be checked against the claims.
 pub fn violations(schedule: &Schedule, claims: &Claims) -> Result<Vec<Violation>, String> {
-    judge(schedule, claims, &Rc::default()).map_err(|Unfit(why)| why)
+    judge(schedule, claims, &Rc::default()).map_err(|InvalidClaims(why)| why)
 }
 
 /// Whether a schedule's indices, numbers, channels, runs and steps are consistent with one another and with its
 /// claims; other rules are not checked.
-pub fn is_whole(schedule: &Schedule, claims: &Claims) -> bool {
+pub fn is_consistent(schedule: &Schedule, claims: &Claims) -> bool {
     let mut findings = Findings::default();
     if premise::check(claims).is_err() {
         return false;
@@ -178,25 +183,25 @@ pub fn inconclusive(why: &str) -> Diagnostic {
 
 /// Why no schedule can be checked against the claims.
 #[derive(Debug)]
-struct Unfit(String);
+struct InvalidClaims(String);
 
 /// Why a run cannot be followed to its end.
 #[derive(Debug)]
-enum Halt {
-    Unfit(Unfit),
+enum ReplayStop {
+    InvalidClaims(InvalidClaims),
     /// The state after this is unknown, so the device is not followed further.
     Broken(Box<Violation>),
 }
 
-impl From<Unfit> for Halt {
-    fn from(unfit: Unfit) -> Halt {
-        Halt::Unfit(unfit)
+impl From<InvalidClaims> for ReplayStop {
+    fn from(invalid: InvalidClaims) -> ReplayStop {
+        ReplayStop::InvalidClaims(invalid)
     }
 }
 
-impl From<Violation> for Halt {
-    fn from(violation: Violation) -> Halt {
-        Halt::Broken(Box::new(violation))
+impl From<Violation> for ReplayStop {
+    fn from(violation: Violation) -> ReplayStop {
+        ReplayStop::Broken(Box::new(violation))
     }
 }
 
@@ -233,7 +238,7 @@ struct RecordTerms {
 }
 
 /// Present state of each device, by its name.
-type Standing<'a> = BTreeMap<&'a str, State>;
+type LastStates<'a> = BTreeMap<&'a str, State>;
 
 /// Verification of one kind of device; implemented by its orders.
 trait Judge {
@@ -246,7 +251,7 @@ trait Judge {
     }
 
     /// Checks what the replay assumes of the claims.
-    fn premise(&self) -> Result<(), Unfit>;
+    fn premise(&self) -> Result<(), InvalidClaims>;
 
     /// Whether another order of the same device states the same facts about it.
     fn has_facts_of(&self, other: &Order) -> bool;
@@ -267,7 +272,7 @@ trait Judge {
     /// Objective for `minimize` that lowers an outcome, if there is one.
     fn minimized_as(&self, outcome: &str) -> Option<&'static str>;
 
-    /// Replays a run and checks it against its order. Afterwards `standing` has the device's last state.
+    /// Replays a run and checks it against its order. Afterwards `last_states` has the device's last state.
     ///
     /// # Errors
     /// At the first violation after which the device's state is unknown.
@@ -275,13 +280,14 @@ trait Judge {
         &self,
         run: &JudgedRun<'a>,
         claims: &Claims,
-        standing: &mut Standing<'a>,
+        last_states: &mut LastStates<'a>,
         findings: &mut Findings,
-    ) -> Result<Replay<'a>, Halt>;
+    ) -> Result<Replay<'a>, ReplayStop>;
 
     /// Checks the program's devices of the kind against one another; called once per kind. `order` has the indices of
     /// the runs, those of one device in the order in which it executes them.
-    fn beside(&self, _runs: &[JudgedRun], _order: &[usize], _claims: &Claims, _findings: &mut Findings) {}
+    fn check_between_devices(&self, _runs: &[JudgedRun], _order: &[usize], _claims: &Claims, _findings: &mut Findings) {
+    }
 }
 
 /// Force of each finger on the part that the fingers hold in a state, along the axes of the device, in micronewtons.
@@ -309,7 +315,7 @@ fn judged_state(state: &State) -> &dyn JudgedState {
     each_kind!(State, state, state => state)
 }
 
-fn judge(schedule: &Schedule, claims: &Claims, tally: &Rc<Tally>) -> Result<Vec<Violation>, Unfit> {
+fn judge(schedule: &Schedule, claims: &Claims, tally: &Rc<Tally>) -> Result<Vec<Violation>, InvalidClaims> {
     premise::check(claims)?;
     let mut findings = Findings::counting(tally);
     form::check(schedule, claims, &mut findings);
@@ -320,26 +326,26 @@ fn judge(schedule: &Schedule, claims: &Claims, tally: &Rc<Tally>) -> Result<Vec<
     if !findings.is_empty() {
         return Ok(findings.sorted());
     }
-    let mut standing = Standing::new();
+    let mut last_states = LastStates::new();
     let mut lost = BTreeSet::new();
     let due = clock::timeline(schedule, &runs, claims, &mut findings);
     let order: Vec<usize> = due.iter().filter_map(|stretch| stretch.job).collect();
     outputs::check(schedule, &runs, claims, &mut findings);
     holds::check(schedule, &runs, &due, claims, &mut findings);
     for job in claims.first_of_kinds() {
-        judge_of(&job.order).beside(&runs, &order, claims, &mut findings);
+        judge_of(&job.order).check_between_devices(&runs, &order, claims, &mut findings);
     }
     for index in order {
         let run = &runs[index];
         if lost.contains(run.job.device.as_str()) {
             continue;
         }
-        tally.asked(Rule::Start, 1);
-        tally.asked(Rule::State, run.plan.states.len().max(1));
-        match judge_of(&run.job.order).replay(run, claims, &mut standing, &mut findings) {
+        tally.count_checks(Rule::Start, 1);
+        tally.count_checks(Rule::State, run.plan.states.len().max(1));
+        match judge_of(&run.job.order).replay(run, claims, &mut last_states, &mut findings) {
             Ok(replay) => record::check(run, &replay, &mut findings),
-            Err(Halt::Unfit(unfit)) => return Err(unfit),
-            Err(Halt::Broken(violation)) => {
+            Err(ReplayStop::InvalidClaims(invalid)) => return Err(invalid),
+            Err(ReplayStop::Broken(violation)) => {
                 findings.push(*violation);
                 lost.insert(run.job.device.as_str());
             }

@@ -39,7 +39,7 @@ pub(super) fn check(schedule: &Schedule, runs: &[JudgedRun], claims: &Claims, fi
         let found: Vec<&Actuation> =
             schedule.actuations.iter().filter(|actuation| Some(actuation.channel as usize) == channel).collect();
         let claimed = stretches(&events, output, schedule.duration_ns);
-        findings.asked(Rule::Output, found.len() + claimed.len() + events.len());
+        findings.count_checks(Rule::Output, found.len() + claimed.len() + events.len());
         let is_claimed = |actuation: &&&Actuation| {
             let (start_ns, end_ns, step) = (actuation.start_ns, actuation.end_ns(), actuation.step as usize);
             let is_level = actuation.from == actuation.to && actuation.swing.is_none();

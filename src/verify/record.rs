@@ -21,7 +21,7 @@ const WHOLE_ROUNDING: f64 = 4e-15;
 
 pub(super) fn check(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     names(run, findings);
-    findings.asked(Rule::Figure, 2 + run.plan.bounds.len());
+    findings.count_checks(Rule::Figure, 2 + run.plan.bounds.len());
     cost(run, replay, findings);
     bound(run, findings);
     other_bounds(run, findings);
@@ -49,7 +49,7 @@ fn names(run: &JudgedRun, findings: &mut Findings) {
         ("objective", &run.plan.objective, terms.objective),
         ("unit", &run.plan.unit, terms.unit),
     ];
-    findings.asked(Rule::Figure, named.len());
+    findings.count_checks(Rule::Figure, named.len());
     for (what, recorded, claimed) in named.into_iter().filter(|(_, recorded, claimed)| recorded != claimed) {
         let title = format!("the plan of `{}` has the {what} `{recorded}`, but must have `{claimed}`", run.job.task);
         findings.push(figure(run, title));
@@ -117,7 +117,7 @@ fn apart(one: f64, other: f64) -> (String, String) {
 
 fn outcomes(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     let recorded = &run.plan.outcomes;
-    findings.asked(Rule::Figure, recorded.len().max(replay.outcomes.len()));
+    findings.count_checks(Rule::Figure, recorded.len().max(replay.outcomes.len()));
     let known = run.job.kind().vocabulary().outcomes;
     for outcome @ Outcome { name, unit, .. } in known {
         let replayed = replay.outcomes[name];
@@ -146,7 +146,7 @@ fn nearness(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
         if step.reached.is_empty() {
             continue;
         }
-        findings.asked(Rule::Figure, step.reached.len());
+        findings.count_checks(Rule::Figure, step.reached.len());
         let over = replay.states.partition_point(|timed| timed.t_ns <= end_ns);
         let end = over.checked_sub(1).map(|last| &replay.states[last]);
         let due = end.map_or_else(Vec::new, |end| reached(&run.job.order, nth, &end.state));
@@ -171,7 +171,7 @@ fn operations(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
     for nth in 0..run.steps.len() {
         let step = run.step(nth);
         let due = replay.operations.get(&nth).map_or(&[][..], Vec::as_slice);
-        findings.asked(Rule::Figure, step.operations.len());
+        findings.count_checks(Rule::Figure, step.operations.len());
         if !step.operations.is_empty() && step.operations.len() != due.len() {
             let (recorded, replayed) = (step.operations.len(), due.len());
             let place = format!("step {} of `{}`", nth + 1, run.job.task);
@@ -241,7 +241,7 @@ pub(super) fn agrees(recorded: &TimedState, replayed: &TimedState) -> bool {
 }
 
 fn requirements(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
-    findings.asked(Rule::Requirement, run.job.requirements.len());
+    findings.count_checks(Rule::Requirement, run.job.requirements.len());
     for requirement in &run.job.requirements {
         let outcomes = run.job.kind().vocabulary().outcomes;
         let outcome = outcomes.iter().find(|outcome| outcome.name == requirement.outcome);

@@ -79,8 +79,8 @@ impl Findings {
     }
 
     /// Counts checks of a rule; to be called before any of them can fail.
-    pub fn asked(&self, rule: Rule, times: usize) {
-        self.tally.asked(rule, times);
+    pub fn count_checks(&self, rule: Rule, times: usize) {
+        self.tally.count_checks(rule, times);
     }
 
     /// Counts of the checks so far.

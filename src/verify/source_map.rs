@@ -26,7 +26,7 @@ pub(super) fn check(schedule: &Schedule, claims: &Claims, sources: &Sources, fin
     let mut written = texts(schedule, claims);
     written.sort_by_key(|(span, _)| *span);
     let mut walk = LineCounter::default();
-    findings.asked(Rule::SourceMap, written.len());
+    findings.count_checks(Rule::SourceMap, written.len());
     for (span, recorded) in written {
         let RecordedText { step, ref what, start_ns, .. } = recorded;
         let Some((_, file)) = sources.files().find(|(id, _)| *id == span.file) else {

@@ -16,7 +16,7 @@ const EXCEPTIONS: [(&str, &str); 4] = [
         "counts of tables of each kind, and how near mends are to the least",
     ),
     ("src/plan/electrode_array/joint/oracle.rs", "counts of solved, impossible and excluded instances in four tests"),
-    ("src/plan/fingers/ways/tests/mod.rs", "one course in which a finger must step aside, and counts of ways"),
+    ("src/plan/fingers/tip_motion/tests/mod.rs", "one course in which a finger must step aside, and counts of ways"),
     ("src/plan/microrobots/assembly/tests.rs", "every scattered bed must have a plan, which no rule promises"),
 ];
 

@@ -65,7 +65,7 @@ impl<'a> PageEvidence<'a> {
             between: &found.between,
             apart: found.apart,
             needed: found.needed,
-            within: found.within,
+            within: found.error_bound,
             unit: match found.unit {
                 GapUnit::Micrometres => "um",
                 GapUnit::Electrodes => "electrodes",

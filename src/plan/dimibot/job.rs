@@ -7,7 +7,7 @@
 use super::reach::reached;
 use super::{
     FieldObstacle, Impossible, Lattice, LatticeCell, LatticeField, MissingLeg, ModulePulse, MotionTally, NoLeg,
-    Opening, Proof, Route, RouteRequest, RouteStage, RouteWithin, Router, Side, apart, why,
+    Opening, Proof, Route, RouteRequest, RouteStage, RouteWithin, Router, Side, avoid_collisions, blame,
 };
 use crate::claims::dimibot::{
     DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacleBody, DimibotOrder, DimibotStep, DimibotStop,
@@ -129,7 +129,7 @@ impl KindPlanner for DimibotOrder {
         plans: Vec<Plan<Motion<'a>>>,
         sink: &mut Sink,
     ) -> Option<Vec<Plan<Motion<'a>>>> {
-        apart(claims, plans, sink)
+        avoid_collisions(claims, plans, sink)
     }
 }
 
@@ -388,16 +388,16 @@ impl<'a> DimibotTaskSearch<'a> {
     }
 
     fn impossible(&self, step: Span, from: LatticeCell, stop: &DimibotStop, proof: Impossible, sink: &mut Sink) {
-        let why = why(&self.scene.field, &self.scene.obstacles, from, stop.cell, WHY_BUDGET);
-        let blamed: Vec<(&str, Span)> = why
+        let found = blame(&self.scene.field, &self.scene.obstacles, from, stop.cell, WHY_BUDGET);
+        let blamed: Vec<(&str, Span)> = found
             .iter()
-            .flat_map(|why| &why.obstacles)
+            .flat_map(|found| &found.obstacles)
             .map(|index| {
                 let obstacle = &self.order.obstacles[*index];
                 (obstacle.name.as_str(), obstacle.span)
             })
             .collect();
-        let removal = match why.as_ref().map(|why| why.opening) {
+        let removal = match found.as_ref().map(|found| found.opening) {
             Some(Opening::Smallest) => Removal::OpensAndIsSmallest,
             Some(Opening::Irreducible | Opening::Opens) => Removal::Opens,
             Some(Opening::Unknown) | None => Removal::Unknown,
@@ -409,7 +409,7 @@ impl<'a> DimibotTaskSearch<'a> {
         let (from, to) = (from.to_string(), stop.cell.to_string());
         let ends = errors::StepEnds { step, from: &from, to: &to };
         let report = errors::impossible(ends, &proof_text(proof.proof), &blamed, removal).reached(reach);
-        sink.push(match why {
+        sink.push(match found {
             Some(_) => report,
             None => report.help("the obstacles that block the path were not found within the step limit"),
         });

@@ -6,9 +6,10 @@
 //! Guaranteed: a plan never touches an obstacle enlarged by its growth and [`SAFETY_MARGIN_UM`]; `Impossible` is a
 //! proof; costs are optimal where `cost == bound`.
 
-mod apart;
 mod bands;
+mod blame;
 mod blocks;
+mod collision_avoidance;
 mod field;
 mod guided;
 mod job;
@@ -29,9 +30,9 @@ mod seen;
 mod shortest;
 mod tally;
 mod tour;
-mod why;
 
-pub use apart::apart;
+pub use blame::{ObstacleBlame, Opening, blame};
+pub use collision_avoidance::avoid_collisions;
 pub use field::LatticeField;
 pub use job::{DimibotMotion, DimibotStandings, DimibotStandings as Standings, DimibotStepMotion, plan};
 pub use lattice::{Flip, Lattice, LatticeCell, LatticeError, MAX_MODULES, ModulePulse, Side, SwitchWeights};
@@ -43,7 +44,6 @@ pub use pulses::{PulseTrain, pulse_is_safe, pulses};
 pub use route::{Route, RouteRequest, RouteWithin, Router};
 pub use shortest::shortest;
 pub use tally::MotionTally;
-pub use why::{ObstacleBlame, Opening, why};
 
 #[cfg(test)]
 pub(super) mod tests;

@@ -23,7 +23,7 @@ const TABLE_MODULES: u32 = 12;
 /// Rectangle queries spent on finding or refuting a sequence of one length.
 const TRIES: u64 = 1 << 18;
 /// Longest sequence sought by branch and bound: in a longer one a node would have at least 4^4 children.
-const MAX_SOUGHT: usize = 4;
+const MAX_SEARCHED_LENGTH: usize = 4;
 
 /// A sequence of pulses.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,7 +66,7 @@ pub fn pulses(
         return found(&cells, cells.len() as u64 - 1, &meter);
     }
     match modules[0] + modules[1] <= TABLE_MODULES {
-        true => over_all_cells(field, start, goal, &mut meter),
+        true => exhaustive(field, start, goal, &mut meter),
         false => by_length(field, start, goal, &mut meter),
     }
 }
@@ -116,7 +116,7 @@ impl BlockedPrefixSums {
 type Unseen = (LatticeCell, Option<(u64, u64, usize)>);
 
 /// Breadth-first search; among the trains with the fewest pulses the shortest, and among those one with the fewest switches.
-fn over_all_cells(
+fn exhaustive(
     field: &LatticeField,
     start: LatticeCell,
     goal: LatticeCell,
@@ -274,12 +274,12 @@ fn by_length(
     let best = compress(field, start, &path, meter);
     for length in 2..best.len() - 1 {
         let tries = TRIES.min(meter.left().steps);
-        if length > MAX_SOUGHT || tries == 0 {
+        if length > MAX_SEARCHED_LENGTH || tries == 0 {
             return found(&best, length as u64, meter);
         }
-        let mut sought = Sought::new(field, start, goal, length, Meter::new(SearchBudget::of(tries)));
-        let answer = sought.branch(0);
-        meter.charge_metered(sought.meter.spent());
+        let mut search = PulseBranchAndBound::new(field, start, goal, length, Meter::new(SearchBudget::of(tries)));
+        let answer = search.branch(0);
+        meter.charge_metered(search.meter.spent());
         match answer {
             PulseBranch::Found(cells) => return found(&cells, length as u64, meter),
             PulseBranch::None => {}
@@ -314,7 +314,7 @@ fn compress(field: &LatticeField, start: LatticeCell, path: &FlipPath, meter: &m
 }
 
 /// Branch and bound on the intermediate cells of a sequence of fixed length.
-struct Sought<'a> {
+struct PulseBranchAndBound<'a> {
     field: &'a LatticeField,
     /// All cells of the sequence; for those between the ends only the decided high bits are set.
     cells: Vec<LatticeCell>,
@@ -327,12 +327,12 @@ enum PulseBranch {
     OutOfBudget,
 }
 
-impl<'a> Sought<'a> {
+impl<'a> PulseBranchAndBound<'a> {
     fn new(field: &'a LatticeField, start: LatticeCell, goal: LatticeCell, length: usize, meter: Meter) -> Self {
         let mut cells = vec![LatticeCell::new(0, 0); length + 1];
         cells[0] = start;
         cells[length] = goal;
-        Sought { field, cells, meter }
+        PulseBranchAndBound { field, cells, meter }
     }
 
     /// Bits not yet decided after `depth` decisions, by side.

@@ -2,7 +2,7 @@
 
 use super::graph::{GraspNode, GraspPath};
 use super::routes::{LegEnd, TurnRoute};
-use super::ways::FingerAct;
+use super::tip_motion::FingerAct;
 
 /// Appends the finger acts of a stretch's path to the acts of the task's steps.
 ///

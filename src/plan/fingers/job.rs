@@ -1,9 +1,9 @@
 //! Planner of one job of a hand: first without limits, then within the limits that this plan exceeds.
 
-use super::limited::{self, Sooner};
+use super::limited::{self, WithinTime};
 use super::looks::LooksBudget;
 use super::sections::Sections;
-use super::stretches::{AskedStretch, Done, FirstCriterion, LeftOpen, carried_out, most_looks};
+use super::stretches::{FirstCriterion, LeftOpen, PlannedTask, TaskRequest, most_looks, plan_task};
 use super::why::{no_plan, not_followed};
 use super::{FingersMotion, Stance};
 use crate::claims::fingers::FingersOrder;
@@ -71,35 +71,39 @@ fn planned(
             return None;
         }
     };
-    let mut asked =
-        AskedStretch { job, order, stance: stance.as_ref(), open, first: FirstCriterion::Effort, gaits: Vec::new() };
-    let mut done = match carried_out(&mut sections, &asked) {
+    let mut request =
+        TaskRequest { job, order, stance: stance.as_ref(), open, first: FirstCriterion::Effort, gaits: Vec::new() };
+    let mut done = match plan_task(&mut sections, &request) {
         Ok(done) => done,
         Err(none) => {
-            sink.push(no_plan(&asked, *none));
+            sink.push(no_plan(&request, *none));
             return None;
         }
     };
     let (mut fewest, mut none_keeps_all) = (None, false);
     if let Some(most) = limited::most_gaits(job).filter(|most| u64::from(*most) < done.gaits()) {
-        match limited::within(&mut sections, &asked, &done, most) {
-            limited::HandWithin::Found(within) => done = *within,
-            limited::HandWithin::None { is_proven } => {
+        match limited::within_gaits(&mut sections, &request, &done, most) {
+            limited::WithinGaits::Found(within) => done = *within,
+            limited::WithinGaits::None { is_proven } => {
                 none_keeps_all = is_proven;
-                asked.first = FirstCriterion::Reconfigurations;
-                let least = carried_out(&mut sections, &asked).ok();
+                request.first = FirstCriterion::Reconfigurations;
+                let least = plan_task(&mut sections, &request).ok();
                 fewest = least.map(|least| least.plan).filter(|plan| plan.proof == Optimality::Proven);
             }
         }
     }
-    let mut soonest = None;
+    let mut fastest = None;
     if limited::misses_time(job, &done.plan) {
-        match limited::sooner(&mut sections, &AskedStretch { first: FirstCriterion::Effort, ..asked.clone() }, &done) {
-            Sooner::Kept(sooner) => done = *sooner,
-            Sooner::Missed(plan) => soonest = plan.map(|plan| *plan),
+        match limited::within_time(
+            &mut sections,
+            &TaskRequest { first: FirstCriterion::Effort, ..request.clone() },
+            &done,
+        ) {
+            WithinTime::Kept(faster) => done = *faster,
+            WithinTime::Missed(plan) => fastest = plan.map(|plan| *plan),
         }
     }
-    let Done { plan, end, open, .. } = done;
+    let PlannedTask { plan, end, open, .. } = done;
     let least_effort_rad = plan.bound.to_radians();
     let least_s = limited::least_s(&sections, order, stance.as_ref());
     let known = &mut |limit: &Requirement| KnownLimit {
@@ -109,7 +113,7 @@ fn planned(
             FingersOutcome::Reconfigurations => fewest.as_ref().map(|plan| plan.outcomes[outcome.name()]),
             FingersOutcome::Time => Some(least_s),
         }),
-        other: if limit.outcome == FingersOutcome::Time.name() { &soonest } else { &fewest }
+        other: if limit.outcome == FingersOutcome::Time.name() { &fastest } else { &fewest }
             .clone()
             .map(|plan| plan.map(drop)),
         ..KnownLimit::default()

@@ -13,7 +13,7 @@ use super::FingersMotion;
 use super::Stance;
 use super::routes::routes;
 use super::sections::Sections;
-use super::stretches::{AskedStretch, Done, TaskStretch, carried_out, stretches};
+use super::stretches::{PlannedTask, TaskRequest, TaskStretch, plan_task, stretches};
 use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::claims::{Job, Relation};
 use crate::device::fingers::FingersOutcome;
@@ -21,9 +21,9 @@ use crate::plan::requirements::{Kept, is_upper, keeps};
 use crate::plan::{Optimality, Plan};
 
 /// Result of a search within a limit.
-pub enum HandWithin {
+pub enum WithinGaits {
     /// A plan that keeps the limit; its bound holds for all plans that do.
-    Found(Box<Done>),
+    Found(Box<PlannedTask>),
     None {
         is_proven: bool,
     },
@@ -41,9 +41,9 @@ pub fn most_gaits(job: &Job) -> Option<u32> {
 }
 
 /// Result of a search within a limit on time.
-pub enum Sooner {
+pub enum WithinTime {
     /// A plan that keeps all limits.
-    Kept(Box<Done>),
+    Kept(Box<PlannedTask>),
     /// The fastest other plan found.
     Missed(Option<Box<Plan<FingersMotion>>>),
 }
@@ -62,33 +62,34 @@ pub fn misses_time(job: &Job, plan: &Plan<FingersMotion>) -> bool {
 }
 
 /// Searches a plan that is fast enough, given one that is not.
-pub fn sooner(sections: &mut Sections, asked: &AskedStretch, done: &Done) -> Sooner {
-    let mut soonest: Option<Plan<FingersMotion>> = None;
+pub fn within_time(sections: &mut Sections, request: &TaskRequest, done: &PlannedTask) -> WithinTime {
+    let mut fastest: Option<Plan<FingersMotion>> = None;
     let mut gaits = done.gaits();
     for _ in 0..MOST_TRIED {
         let Some(fewer) = gaits.checked_sub(1) else { break };
-        let HandWithin::Found(mut next) = within(sections, asked, done, u32::try_from(fewer).unwrap_or(u32::MAX))
+        let WithinGaits::Found(mut next) =
+            within_gaits(sections, request, done, u32::try_from(fewer).unwrap_or(u32::MAX))
         else {
             break;
         };
         gaits = next.gaits();
         if [FingersOutcome::Time, FingersOutcome::Effort]
             .iter()
-            .all(|outcome| is_kept(asked.job, &next.plan, outcome.name()))
+            .all(|outcome| is_kept(request.job, &next.plan, outcome.name()))
         {
             // Another plan with as many or more reconfigurations might be fast enough with less effort.
             next.plan.bound = done.plan.bound.min(next.plan.cost);
             next.plan.proof = if next.plan.bound >= next.plan.cost { Optimality::Proven } else { Optimality::Open };
-            return Sooner::Kept(next);
+            return WithinTime::Kept(next);
         }
         let time_s = |plan: &Plan<FingersMotion>| {
             plan.outcomes.get(FingersOutcome::Time.name()).copied().unwrap_or(f64::INFINITY)
         };
-        if soonest.as_ref().is_none_or(|known| time_s(&next.plan) < time_s(known)) {
-            soonest = Some(next.plan);
+        if fastest.as_ref().is_none_or(|known| time_s(&next.plan) < time_s(known)) {
+            fastest = Some(next.plan);
         }
     }
-    Sooner::Missed(soonest.map(Box::new))
+    WithinTime::Missed(fastest.map(Box::new))
 }
 
 /// Lower bound on the duration of any plan, in seconds: its waits, its translations, the least rolling, and the time of
@@ -138,17 +139,17 @@ struct Front {
 }
 
 /// The plan of least effort with at most `most` reconfigurations, given one that has more.
-pub fn within(sections: &mut Sections, asked: &AskedStretch, any: &Done, most: u32) -> HandWithin {
+pub fn within_gaits(sections: &mut Sections, request: &TaskRequest, any: &PlannedTask, most: u32) -> WithinGaits {
     let count = any.stretches.len();
-    let fronts: Vec<Front> = (0..count).map(|at| front(sections, asked, any, at, most)).collect();
+    let fronts: Vec<Front> = (0..count).map(|at| front(sections, request, any, at, most)).collect();
     let is_whole = fronts.iter().all(|front| front.is_whole);
-    let Some((cost, gaits)) = choice(&fronts, most) else { return HandWithin::None { is_proven: is_whole } };
+    let Some((cost, gaits)) = choice(&fronts, most) else { return WithinGaits::None { is_proven: is_whole } };
     let gaits = gaits.into_iter().map(Some).collect();
-    let Ok(mut done) = carried_out(sections, &AskedStretch { gaits, ..asked.clone() }) else {
-        return HandWithin::None { is_proven: false };
+    let Ok(mut done) = plan_task(sections, &TaskRequest { gaits, ..request.clone() }) else {
+        return WithinGaits::None { is_proven: false };
     };
     if done.gaits() > u64::from(most) {
-        return HandWithin::None { is_proven: false };
+        return WithinGaits::None { is_proven: false };
     }
     let plan = &mut done.plan;
     plan.proof = Optimality::Open;
@@ -158,11 +159,11 @@ pub fn within(sections: &mut Sections, asked: &AskedStretch, any: &Done, most: u
     } else {
         plan.bound = any.plan.bound.min(plan.cost);
     }
-    HandWithin::Found(Box::new(done))
+    WithinGaits::Found(Box::new(done))
 }
 
 /// Finds the candidate paths of a stretch.
-fn front(sections: &mut Sections, asked: &AskedStretch, any: &Done, at: usize, most: u32) -> Front {
+fn front(sections: &mut Sections, request: &TaskRequest, any: &PlannedTask, at: usize, most: u32) -> Front {
     let mut front = Front { ways: vec![any.stretches[at]], is_whole: any.stretches[at].is_best };
     let is_only = any.stretches.len() == 1;
     loop {
@@ -173,7 +174,7 @@ fn front(sections: &mut Sections, asked: &AskedStretch, any: &Done, at: usize, m
         let fewer = u32::try_from(last - 1).unwrap_or(u32::MAX).min(most);
         let mut gaits = vec![None; at];
         gaits.push(Some(fewer));
-        match carried_out(sections, &AskedStretch { gaits, ..asked.clone() }) {
+        match plan_task(sections, &TaskRequest { gaits, ..request.clone() }) {
             // The greedy planner ignores limits.
             Ok(done) if done.stretches[at].gaits >= last => {
                 front.is_whole = false;
@@ -185,7 +186,7 @@ fn front(sections: &mut Sections, asked: &AskedStretch, any: &Done, at: usize, m
                 front.ways.push(way);
             }
             Err(none) => {
-                front.is_whole &= none.is_proven(asked.order);
+                front.is_whole &= none.is_proven(request.order);
                 return front;
             }
         }

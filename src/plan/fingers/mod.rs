@@ -15,7 +15,7 @@ pub mod routes;
 mod sections;
 mod stretches;
 pub mod tables;
-pub mod ways;
+pub mod tip_motion;
 mod why;
 
 pub use job::{HandStandings as Standings, plan};

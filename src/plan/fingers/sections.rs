@@ -3,10 +3,10 @@
 
 use super::graph::{Grasp, GraspNode, GraspPath, Regrasp, TurnLeg};
 use super::looks::LooksBudget;
-use super::mechanics::{self, Closer, Contacts, Lazy, Load, NoTables, TableRequest, forbid};
+use super::mechanics::{self, Contacts, LazyGraspEvaluator, Load, NoTables, RollingChecker, TableRequest, forbid};
 use super::routes::{Holding, LegEnd, RouteTurn, TurnRoute};
 use super::tables::Tables;
-use super::ways::{ContactReach, HandSections, PreparedSection};
+use super::tip_motion::{ContactReach, HandSections, PreparedSection};
 use crate::claims::fingers::{FingersOrder, FingersTurn, Section};
 use crate::device::fingers::{FingersFacts, Plane};
 use crate::geometry::outline::{Curve, OutlineError};
@@ -21,7 +21,7 @@ const MANY_LAPSES: u32 = 3;
 
 /// Result of a close check of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sifted {
+pub enum RollingCheck {
     /// Its grasps hold throughout.
     Sound,
     /// Some grasps lapse between two angles; the tables now exclude those steps.
@@ -37,16 +37,16 @@ pub struct Sections<'a> {
     /// Number of lapses found in each layer.
     lapses: BTreeMap<(TableKey, usize), u32>,
     /// Lazily evaluated grasps under a load.
-    lazy: BTreeMap<LazyKey, Rc<Lazy>>,
-    loaded: LoadedSections,
+    lazy: BTreeMap<LazyKey, Rc<LazyGraspEvaluator>>,
+    load_evaluation: LoadEvaluation,
     looks: Rc<LooksBudget>,
 }
 
 /// Evaluation of grasps under a load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LoadedSections {
+pub enum LoadEvaluation {
     /// Lazily, grasp by grasp, as the search meets them.
-    Asked,
+    Lazy,
     /// Eagerly: tables of all grasps at all angles are built before the search, which gives better bounds from the start.
     Tabulated,
 }
@@ -89,7 +89,7 @@ impl<'a> Sections<'a> {
             known: BTreeMap::new(),
             lapses: BTreeMap::new(),
             lazy: BTreeMap::new(),
-            loaded: LoadedSections::Asked,
+            load_evaluation: LoadEvaluation::Lazy,
             looks,
         })
     }
@@ -105,8 +105,8 @@ impl<'a> Sections<'a> {
     }
 
     /// Selects how a load is evaluated from now on.
-    pub fn deal_with_load(&mut self, loaded: LoadedSections) {
-        self.loaded = loaded;
+    pub fn set_load_evaluation(&mut self, load_evaluation: LoadEvaluation) {
+        self.load_evaluation = load_evaluation;
     }
 
     fn ready(&self, plane: Plane) -> &Ready<'a> {
@@ -191,20 +191,20 @@ impl<'a> Sections<'a> {
     /// The tables check a few instants of each step, the close check many. A path that passes is still cheapest, since
     /// only edges that do not exist were removed. In a layer with repeated lapses all steps are checked closely, so
     /// that the search is not repeated for each of its edges; this may take half of the remaining looks.
-    pub fn sift(&mut self, route: &TurnRoute, way: &GraspPath, start: UnitQuaternion<f64>) -> Sifted {
+    pub fn check_rolling(&mut self, route: &TurnRoute, way: &GraspPath, start: UnitQuaternion<f64>) -> RollingCheck {
         let mut orientation = start;
-        let mut sifted = Sifted::Sound;
+        let mut check = RollingCheck::Sound;
         for (turning, nodes) in route.iter().zip(&way.legs) {
             let plane = turning.turn.plane;
             let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
             let angles = self.angles(turning.turn);
             let key = key(plane, orientation, angles, &load);
             let ready = ready(&self.xy, self.xz.as_ref(), plane);
-            let closer = Closer::of(&self.order.facts, ready.contacts(&self.order.facts), load);
-            for (angle, grasp) in rolls(nodes).filter(|(angle, grasp)| !closer.lasts(*angle, &contacts_of(*grasp))) {
+            let checker = RollingChecker::of(&self.order.facts, ready.contacts(&self.order.facts), load);
+            for (angle, grasp) in rolls(nodes).filter(|(angle, grasp)| !checker.lasts(*angle, &contacts_of(*grasp))) {
                 if let Some(lazy) = self.lazy.get(&lazy_key(plane, orientation)) {
                     lazy.forbid(angle, &contacts_of(grasp));
-                    sifted = Sifted::Lapsed;
+                    check = RollingCheck::Lapsed;
                 }
                 let Some(tables) = self.known.get_mut(&key) else { continue };
                 let tables = Arc::make_mut(tables);
@@ -213,13 +213,13 @@ impl<'a> Sections<'a> {
                 let lapses = self.lapses.entry((key, layer)).or_default();
                 *lapses += 1;
                 if *lapses == MANY_LAPSES {
-                    self.looks.with_half(|| closer.sift(tables, layer, angle, &self.looks));
+                    self.looks.with_half(|| checker.forbid_lapses(tables, layer, angle, &self.looks));
                 }
-                sifted = Sifted::Lapsed;
+                check = RollingCheck::Lapsed;
             }
             orientation = self.turned(orientation, turning.turn);
         }
-        sifted
+        check
     }
 
     /// An order in which the holding fingers, counted from 0, can leave until none is left; `None` if there is none, or
@@ -277,15 +277,15 @@ impl<'a> Sections<'a> {
     }
 
     /// Evaluator of grasps in a plane under the load, for a part in an orientation.
-    fn under_load(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Lazy {
+    fn under_load(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> LazyGraspEvaluator {
         let facts = &self.order.facts;
         let load = Load::seen(plane, &orientation, self.order.load_un, self.order.part.centre_um);
-        Lazy::of(facts, &self.ready(plane).contacts(facts), load, Rc::clone(&self.looks))
+        LazyGraspEvaluator::of(facts, &self.ready(plane).contacts(facts), load, Rc::clone(&self.looks))
     }
 
     /// Lazy evaluator of a leg under the load; `None` without a load, or if the leg has tables of its own.
-    fn lazy(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Option<Rc<Lazy>> {
-        if self.order.load_un == [0.0; 3] || self.loaded == LoadedSections::Tabulated {
+    fn lazy(&mut self, plane: Plane, orientation: UnitQuaternion<f64>) -> Option<Rc<LazyGraspEvaluator>> {
+        if self.order.load_un == [0.0; 3] || self.load_evaluation == LoadEvaluation::Tabulated {
             return None;
         }
         let key = lazy_key(plane, orientation);

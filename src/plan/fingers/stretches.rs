@@ -7,12 +7,12 @@
 use super::course::{follow, reconfigurations};
 use super::graph::{
     self, Estimator, FarthestRoute, Grasp, GraspAnswer, GraspCosts, GraspNode, GraspPath, GraspRequest, GraspSearchEnd,
-    Start, Within,
+    GraspSearchLimits, Start,
 };
 use super::mechanics::NoTables;
 use super::routes::{Holding, LegEnd, RouteTurn, Routes, routes, takes_hold};
-use super::sections::{LoadedSections, Sections, Sifted};
-use super::ways::{self, FingerAct, FingersCourse, WayError};
+use super::sections::{LoadEvaluation, RollingCheck, Sections};
+use super::tip_motion::{self, FingerAct, FingersCourse, TipMotionError};
 use super::{FingersMotion, HeldGrasp, Stance};
 use crate::claims::Job;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersTurn};
@@ -51,7 +51,7 @@ pub fn most_looks(order: &FingersOrder) -> u64 {
 
 /// Request for a plan.
 #[derive(Clone)]
-pub struct AskedStretch<'a> {
+pub struct TaskRequest<'a> {
     pub job: &'a Job,
     pub order: &'a FingersOrder,
     /// Current stance; `None` before the device's first task.
@@ -77,7 +77,7 @@ impl LeftOpen {
 }
 
 /// A plan whose limits have not been checked yet.
-pub struct Done {
+pub struct PlannedTask {
     /// Its proof refers to the primary criterion.
     pub plan: Plan<FingersMotion>,
     /// The stance after it.
@@ -96,7 +96,7 @@ pub struct TaskStretch {
     pub is_best: bool,
 }
 
-impl Done {
+impl PlannedTask {
     /// Total number of reconfigurations.
     pub fn gaits(&self) -> u64 {
         self.stretches.iter().map(|stretch| stretch.gaits).sum()
@@ -104,7 +104,7 @@ impl Done {
 }
 
 /// Start of a stretch, and its steps.
-pub struct Begins {
+pub struct StretchStart {
     pub held: Option<Holding>,
     /// Orientation of the part.
     pub orientation: UnitQuaternion<f64>,
@@ -112,9 +112,9 @@ pub struct Begins {
 }
 
 /// Reason why there is no plan; `at` is the step of the order at which planning ended.
-pub enum NoCourse {
+pub enum NoTaskPlan {
     /// The stretch has no path.
-    Blocked { at: usize, blocked: FarthestRoute, planned: Routes, begins: Begins },
+    Blocked { at: usize, blocked: FarthestRoute, planned: Routes, begins: StretchStart },
     /// The stretch has no path from the grasp that the task before left, though it may have one from another: `from`,
     /// if one is known.
     OtherGrasp { at: usize, from: Option<Grasp> },
@@ -124,52 +124,52 @@ pub enum NoCourse {
     NoTables { at: usize, none: NoTables },
     /// The grasp with which a stretch begins, and which it does not change, does not hold under the load. `open` states
     /// what earlier tasks left open.
-    LetsGo { at: usize, held: Holding, orientation: UnitQuaternion<f64>, open: LeftOpen },
+    GraspFailsUnderLoad { at: usize, held: Holding, orientation: UnitQuaternion<f64>, open: LeftOpen },
     /// No order was found in which the fingers can leave the grasp at a release.
     NoRelease { at: usize },
     /// The fingers cannot follow the path.
-    NoWay(WayError),
+    NoMotion(TipMotionError),
 }
 
-impl NoCourse {
+impl NoTaskPlan {
     /// Whether it is proven that the order has no plan.
     pub fn is_proven(&self, order: &FingersOrder) -> bool {
         match self {
-            NoCourse::Blocked { planned, .. } => {
+            NoTaskPlan::Blocked { planned, .. } => {
                 planned.left_out.is_none() && order.planner != FingersPlanner::GreedyDecomposition
             }
-            NoCourse::LetsGo { open, .. } => !open.is_any(),
-            NoCourse::OtherGrasp { .. }
-            | NoCourse::GaveUp { .. }
-            | NoCourse::NoTables { .. }
-            | NoCourse::NoRelease { .. }
-            | NoCourse::NoWay(_) => false,
+            NoTaskPlan::GraspFailsUnderLoad { open, .. } => !open.is_any(),
+            NoTaskPlan::OtherGrasp { .. }
+            | NoTaskPlan::GaveUp { .. }
+            | NoTaskPlan::NoTables { .. }
+            | NoTaskPlan::NoRelease { .. }
+            | NoTaskPlan::NoMotion(_) => false,
         }
     }
 }
 
 /// Plans a task; without a plan, the error gives the reason.
-pub fn carried_out(sections: &mut Sections, asked: &AskedStretch) -> Result<Done, Box<NoCourse>> {
-    let AskedStretch { order, stance, .. } = *asked;
+pub fn plan_task(sections: &mut Sections, request: &TaskRequest) -> Result<PlannedTask, Box<NoTaskPlan>> {
+    let TaskRequest { order, stance, .. } = *request;
     let start = stance.cloned().unwrap_or_else(|| sections.hand().home(order.part.position_um));
-    let mut tally = HandTally::of(asked, start.clone());
+    let mut tally = PartialTaskPlan::of(request, start.clone());
     for (index, stretch) in stretches(order).into_iter().enumerate() {
-        tally.carry_out(sections, index, stretch)?;
+        tally.plan_stretch(sections, index, stretch)?;
     }
     let course = FingersCourse { start, steps: tally.acts };
-    let motion = sections.hand().motion(&course).map_err(NoCourse::NoWay)?;
-    let end = ways::end(&motion);
-    if let Some(share) = kept_back(order).filter(|_| tally.sums.cost > 0) {
+    let motion = sections.hand().motion(&course).map_err(NoTaskPlan::NoMotion)?;
+    let end = tip_motion::end(&motion);
+    if let Some(share) = rolling_reserve_percent(order).filter(|_| tally.sums.cost > 0) {
         let text = format!("{share} % of friction and forces while it rolls (`rolling_reserve`)");
         tally.sums.remarks.push(Remark { subject: "kept back".to_owned(), text });
     }
     let (stretches, open) = (std::mem::take(&mut tally.stretches), tally.open);
-    Ok(Done { plan: tally.sums.plan(order, motion), end, open, stretches })
+    Ok(PlannedTask { plan: tally.sums.plan(order, motion), end, open, stretches })
 }
 
 /// Reserve while tips roll, in percent; `None` if it is zero or has no effect, since every grasp holds with adhesion
 /// and without a load.
-pub fn kept_back(order: &FingersOrder) -> Option<String> {
+pub fn rolling_reserve_percent(order: &FingersOrder) -> Option<String> {
     let facts = &order.facts;
     let counts = facts.rolling_reserve > 0.0 && (facts.sticking_un() == 0.0 || order.load_un != [0.0; 3]);
     counts.then(|| digits(facts.rolling_reserve * 100.0))
@@ -190,8 +190,8 @@ pub fn stretches(order: &FingersOrder) -> Vec<Range<usize>> {
 }
 
 /// Partial plan while its stretches are planned.
-struct HandTally<'a> {
-    asked: &'a AskedStretch<'a>,
+struct PartialTaskPlan<'a> {
+    request: &'a TaskRequest<'a>,
     order: &'a FingersOrder,
     acts: Vec<Vec<FingerAct>>,
     held: Option<Holding>,
@@ -214,25 +214,30 @@ struct Sums {
     remarks: Vec<Remark>,
 }
 
-impl<'a> HandTally<'a> {
-    fn of(asked: &'a AskedStretch, start: Stance) -> HandTally<'a> {
-        let order = asked.order;
+impl<'a> PartialTaskPlan<'a> {
+    fn of(request: &'a TaskRequest, start: Stance) -> PartialTaskPlan<'a> {
+        let order = request.order;
         let HeldGrasp { grasp, plane, orientation: [w, x, y, z], .. } = start.hold;
         let held = Grasp::of(&grasp).filter(|grasp| grasp.holding() > 0);
-        HandTally {
-            asked,
+        PartialTaskPlan {
+            request,
             order,
             acts: vec![Vec::new(); order.steps.len()],
             held: held.map(|grasp| Holding { grasp, plane }),
             orientation: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
-            open: asked.open,
+            open: request.open,
             stretches: Vec::new(),
             sums: Sums { cost: 0, bound: 0, is_best: true, reconfigurations: 0, remarks: Vec::new() },
         }
     }
 
     /// Plans a stretch and appends its acts.
-    fn carry_out(&mut self, sections: &mut Sections, index: usize, stretch: Range<usize>) -> Result<(), Box<NoCourse>> {
+    fn plan_stretch(
+        &mut self,
+        sections: &mut Sections,
+        index: usize,
+        stretch: Range<usize>,
+    ) -> Result<(), Box<NoTaskPlan>> {
         self.stretches.push(TaskStretch { cost: 0, gaits: 0, is_best: true });
         if stretch.clone().any(|step| takes_hold(&self.order.steps[step].action)) {
             self.turn(sections, index, stretch.clone())?;
@@ -241,7 +246,7 @@ impl<'a> HandTally<'a> {
             && !sections.bears(held, self.orientation)
         {
             let (at, orientation, open) = (stretch.start, self.orientation, self.open);
-            return Err(Box::new(NoCourse::LetsGo { at, held, orientation, open }));
+            return Err(Box::new(NoTaskPlan::GraspFailsUnderLoad { at, held, orientation, open }));
         }
         for step in stretch {
             match &self.order.steps[step].action {
@@ -255,7 +260,7 @@ impl<'a> HandTally<'a> {
     }
 
     /// Finds the cheapest path through the turns of a stretch.
-    fn turn(&mut self, sections: &mut Sections, index: usize, stretch: Range<usize>) -> Result<(), Box<NoCourse>> {
+    fn turn(&mut self, sections: &mut Sections, index: usize, stretch: Range<usize>) -> Result<(), Box<NoTaskPlan>> {
         let mut planned = routes(self.order, stretch.clone(), self.held);
         // Under a load, other plans of earlier tasks might have left the part in an orientation in which it is easier
         // to hold.
@@ -263,7 +268,7 @@ impl<'a> HandTally<'a> {
             let least = least_steps(&planned);
             planned.left_out = Some(planned.left_out.map_or(least, |known| known.min(least)));
         }
-        let chosen = PathChoice { first: self.asked.first, gaits: self.asked.gaits.get(index).copied().flatten() };
+        let chosen = PathChoice { first: self.request.first, gaits: self.request.gaits.get(index).copied().flatten() };
         let way = match sound(self.order, sections, &planned, self.orientation, chosen) {
             Ok(GraspAnswer::Found(way)) if self.is_stuck_after(sections, &planned, &way, stretch.end) => {
                 let released = planned.released().map(|released| {
@@ -286,13 +291,13 @@ impl<'a> HandTally<'a> {
             }
             Ok(GraspAnswer::Impossible(blocked)) => {
                 let at = step_of(&planned, blocked.route, blocked.leg);
-                let begins = Begins { held: self.held, orientation: self.orientation, steps: stretch };
-                return Err(Box::new(NoCourse::Blocked { at, blocked, planned, begins }));
+                let begins = StretchStart { held: self.held, orientation: self.orientation, steps: stretch };
+                return Err(Box::new(NoTaskPlan::Blocked { at, blocked, planned, begins }));
             }
             Ok(GraspAnswer::GaveUp(end)) => {
-                return Err(Box::new(NoCourse::GaveUp { at: step_of(&planned, 0, 0), end }));
+                return Err(Box::new(NoTaskPlan::GaveUp { at: step_of(&planned, 0, 0), end }));
             }
-            Err(none) => return Err(Box::new(NoCourse::NoTables { at: stretch.start, none })),
+            Err(none) => return Err(Box::new(NoTaskPlan::NoTables { at: stretch.start, none })),
         };
         let way = self.held_against_any(sections, &planned, way, chosen);
         let route = &planned.routes[way.route];
@@ -303,7 +308,7 @@ impl<'a> HandTally<'a> {
         follow(&mut self.acts, route, &way, self.held.is_none().then_some(begins), fingers);
         let cost = effort(self.order, &way);
         self.sums.cost += cost;
-        let (bound, is_best) = match self.asked.first {
+        let (bound, is_best) = match self.request.first {
             FirstCriterion::Effort => {
                 let bound = planned.left_out.map_or(way.bound, |steps| way.bound.min(2 * ROLL * steps));
                 (bound, bound >= way.cost)
@@ -349,13 +354,13 @@ impl<'a> HandTally<'a> {
     }
 
     /// Result for a stretch without a path from the held grasp, if another grasp at its beginning may have one.
-    fn other_grasp(&self, sections: &mut Sections, planned: &Routes, chosen: PathChoice) -> Option<NoCourse> {
+    fn other_grasp(&self, sections: &mut Sections, planned: &Routes, chosen: PathChoice) -> Option<NoTaskPlan> {
         let from = match self.begun_with_any_grasp(sections, planned, chosen)? {
             Ok(GraspAnswer::Impossible(_)) => return None,
             Ok(GraspAnswer::Found(way)) => first_grasp(&way),
             Ok(GraspAnswer::GaveUp(_)) | Err(_) => None,
         };
-        Some(NoCourse::OtherGrasp { at: step_of(planned, 0, 0), from })
+        Some(NoTaskPlan::OtherGrasp { at: step_of(planned, 0, 0), from })
     }
 
     /// The path, with a bound that holds for all paths from any grasp that the task before could have left.
@@ -366,7 +371,7 @@ impl<'a> HandTally<'a> {
         way: GraspPath,
         chosen: PathChoice,
     ) -> GraspPath {
-        let roll = match self.asked.first {
+        let roll = match self.request.first {
             FirstCriterion::Effort => ROLL,
             FirstCriterion::Reconfigurations => 1,
         };
@@ -394,7 +399,7 @@ impl<'a> HandTally<'a> {
         let cost = digits(effort(self.order, way) as f64 / f64::from(self.order.facts.steps_per_turn));
         let text = format!(
             "`{}` with the grasp that the task before ends with; if that ended with `{}`, it would cost {cost} deg",
-            self.asked.job.task,
+            self.request.job.task,
             grasp_text(self.order, grasp)
         );
         Remark { subject: "begins".to_owned(), text }
@@ -414,11 +419,11 @@ impl<'a> HandTally<'a> {
     }
 
     /// Removes all fingers, in an order in which the remaining ones always hold.
-    fn release(&mut self, sections: &mut Sections, step: usize) -> Result<(), Box<NoCourse>> {
+    fn release(&mut self, sections: &mut Sections, step: usize) -> Result<(), Box<NoTaskPlan>> {
         let Some(holding) = self.held.take() else { return Ok(()) };
         self.open.grasp = false;
         let leaving = sections.leaving(holding, self.orientation);
-        let order = leaving.ok_or(NoCourse::NoRelease { at: step })?;
+        let order = leaving.ok_or(NoTaskPlan::NoRelease { at: step })?;
         self.acts[step].push(FingerAct::Release { order });
         Ok(())
     }
@@ -456,9 +461,9 @@ pub fn sound(
     let looks = Rc::clone(sections.looks());
     let answer = looks.with_half(|| lasting(order, sections, planned, orientation, chosen));
     let Ok(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })) = answer else { return answer };
-    sections.deal_with_load(LoadedSections::Tabulated);
+    sections.set_load_evaluation(LoadEvaluation::Tabulated);
     let tabulated = lasting(order, sections, planned, orientation, chosen);
-    sections.deal_with_load(LoadedSections::Asked);
+    sections.set_load_evaluation(LoadEvaluation::Lazy);
     Ok(tabulated.unwrap_or(GraspAnswer::GaveUp(GraspSearchEnd::Looks { bound })))
 }
 
@@ -475,7 +480,7 @@ fn lasting(
     loop {
         match answer(order, sections, planned, orientation, chosen, SearchBudget::of(left))? {
             GraspAnswer::Found(way) => {
-                if sections.sift(&planned.routes[way.route], &way, orientation) == Sifted::Sound {
+                if sections.check_rolling(&planned.routes[way.route], &way, orientation) == RollingCheck::Sound {
                     return Ok(GraspAnswer::Found(way));
                 }
                 left = left.saturating_sub(way.expanded);
@@ -546,7 +551,7 @@ fn answer(
             FirstCriterion::Effort => costs(order),
             FirstCriterion::Reconfigurations => GraspCosts { roll: 1, gait: MORE_THAN_ALL_ROLLING },
         },
-        within: Within { gaits: chosen.gaits, looks: Rc::clone(sections.looks()) },
+        limits: GraspSearchLimits { gaits: chosen.gaits, looks: Rc::clone(sections.looks()) },
     };
     Ok(match order.planner {
         FingersPlanner::JointAstar => graph::solve(&request, Estimator::Layers, budget),
@@ -573,7 +578,7 @@ fn turn_text(sections: &Sections, turn: FingersTurn) -> String {
 impl Sums {
     fn plan(self, order: &FingersOrder, motion: FingersMotion) -> Plan<FingersMotion> {
         let degrees = |cost: u64| cost as f64 / f64::from(order.facts.steps_per_turn);
-        let time_s = ways::duration_ns(&motion).unwrap_or(u64::MAX) as f64 / 1e9;
+        let time_s = tip_motion::duration_ns(&motion).unwrap_or(u64::MAX) as f64 / 1e9;
         let outcomes = [
             (FingersOutcome::Effort, degrees(self.cost) * PI / 180.0),
             (FingersOutcome::Reconfigurations, self.reconfigurations as f64),

@@ -7,10 +7,10 @@ use super::mechanics::{Contacts, GripModel, Load, NoTables};
 use super::routes::{Holding, RouteTurn, Routes, routes};
 use super::sections::Sections;
 use super::stretches::{
-    AskedStretch, Begins, FirstCriterion, LeftOpen, NoCourse, PathChoice, carried_out, grasp_text, kept_back,
-    most_looks, sound,
+    FirstCriterion, LeftOpen, NoTaskPlan, PathChoice, StretchStart, TaskRequest, grasp_text, most_looks, plan_task,
+    rolling_reserve_percent, sound,
 };
-use super::ways::WayError;
+use super::tip_motion::TipMotionError;
 use crate::claims::Job;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, HandPart, Section};
 use crate::device::MAX_EXPANSIONS;
@@ -41,35 +41,37 @@ struct HandReasons<'a> {
     at: usize,
 }
 
-/// Knowledge about a plan with changed figures of the device.
+/// Whether a plan exists with changed figures of the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Known {
-    There,
+enum PlanExists {
+    Yes,
     /// Proven, for the stretch that has no plan without the change.
-    None,
-    /// Unknown, because the looks are spent or the plan fails elsewhere.
-    Nothing,
+    ProvenNo,
+    /// The looks are spent, or the plan fails elsewhere.
+    Unknown,
 }
 
 /// Trials of changed figures, which share a budget of looks.
 struct Trials<'a> {
     why: &'a HandReasons<'a>,
-    begins: &'a Begins,
+    begins: &'a StretchStart,
     looks: Rc<LooksBudget>,
 }
 
 /// The report of a task without a plan.
-pub fn no_plan(asked: &AskedStretch, none: NoCourse) -> Diagnostic {
-    let AskedStretch { job, order, stance, .. } = *asked;
+pub fn no_plan(request: &TaskRequest, none: NoTaskPlan) -> Diagnostic {
+    let TaskRequest { job, order, stance, .. } = *request;
     let reasons = |at: usize| HandReasons { order, job, stance, at };
     match none {
-        NoCourse::Blocked { at, blocked, planned, begins } => reasons(at).impossible(&blocked, &planned, begins),
-        NoCourse::GaveUp { at, end } => reasons(at).search_ended(&end),
-        NoCourse::NoTables { at, none } => reasons(at).no_tables(&none),
-        NoCourse::OtherGrasp { at, from } => reasons(at).otherwise_begun(from),
-        NoCourse::LetsGo { at, held, orientation, open } => reasons(at).lets_go(held, &orientation, open),
-        NoCourse::NoRelease { at } => reasons(at).stuck_fingers(),
-        NoCourse::NoWay(error) => reasons(0).no_way(&error),
+        NoTaskPlan::Blocked { at, blocked, planned, begins } => reasons(at).impossible(&blocked, &planned, begins),
+        NoTaskPlan::GaveUp { at, end } => reasons(at).search_ended(&end),
+        NoTaskPlan::NoTables { at, none } => reasons(at).no_tables(&none),
+        NoTaskPlan::OtherGrasp { at, from } => reasons(at).otherwise_begun(from),
+        NoTaskPlan::GraspFailsUnderLoad { at, held, orientation, open } => {
+            reasons(at).grasp_fails_under_load(held, &orientation, open)
+        }
+        NoTaskPlan::NoRelease { at } => reasons(at).stuck_fingers(),
+        NoTaskPlan::NoMotion(error) => reasons(0).no_motion(&error),
     }
 }
 
@@ -140,7 +142,7 @@ impl HandReasons<'_> {
         }
     }
 
-    fn impossible(&self, blocked: &FarthestRoute, planned: &Routes, begins: Begins) -> Diagnostic {
+    fn impossible(&self, blocked: &FarthestRoute, planned: &Routes, begins: StretchStart) -> Diagnostic {
         // The search for a remedy takes at most a fifth of the looks of the one that found no plan.
         let trials = Trials { why: self, begins: &begins, looks: Rc::new(LooksBudget::of(most_looks(self.order) / 5)) };
         if self.order.planner == FingersPlanner::GreedyDecomposition {
@@ -177,7 +179,10 @@ impl HandReasons<'_> {
         let leans = leans && self.order.load_un.iter().any(|un| *un != 0.0);
         let without = if leans { "; tips that only push must hold without the load, too" } else { "" };
         Diagnostic::new(Code::E0601, title)
-            .label(self.span(), format!("{}{without}{}", self.where_blocked(blocked, leg, next), self.kept_back()))
+            .label(
+                self.span(),
+                format!("{}{without}{}", self.where_blocked(blocked, leg, next), self.rolling_reserve_note()),
+            )
             .help_if(self.openings(&trials))
             .reached(self.reach(blocked, leg))
     }
@@ -208,7 +213,7 @@ impl HandReasons<'_> {
     }
 
     /// Report: the grasp left by the task before does not hold under the load of a task that changes no finger.
-    fn lets_go(&self, held: Holding, orientation: &UnitQuaternion<f64>, open: LeftOpen) -> Diagnostic {
+    fn grasp_fails_under_load(&self, held: Holding, orientation: &UnitQuaternion<f64>, open: LeftOpen) -> Diagnostic {
         let code = if open.is_any() { Code::E0602 } else { Code::E0601 };
         let title = "the grasp with which this task begins does not hold under its load";
         let torque = self.torque_of(held.grasp, held.plane, orientation);
@@ -238,13 +243,13 @@ impl HandReasons<'_> {
     fn greedy(&self, trials: &Trials) -> Diagnostic {
         let stuck = Diagnostic::new(Code::E0602, format!("the greedy planner is stuck at {}", self.what()));
         match trials.try_with(&changed(self.order, &|_| ())) {
-            Known::There => stuck
+            PlanExists::Yes => stuck
                 .label(self.span(), "the turns before it end where no path leads on")
                 .help("leave `using` out: Tweeze's own planner finds a plan"),
-            Known::None => stuck
+            PlanExists::ProvenNo => stuck
                 .label(self.span(), "Tweeze's own planner proves that there is no plan")
                 .help("leave out `using` to search for a change that makes it possible"),
-            Known::Nothing => stuck.label(
+            PlanExists::Unknown => stuck.label(
                 self.span(),
                 "neither planned nor proven impossible: the turns before it end where no path leads on",
             ),
@@ -278,8 +283,8 @@ impl HandReasons<'_> {
 
     /// Text on an assumption of the proof besides the figures of the device: the rolling reserve; empty if it has no
     /// effect.
-    fn kept_back(&self) -> String {
-        match kept_back(self.order) {
+    fn rolling_reserve_note(&self) -> String {
+        match rolling_reserve_percent(self.order) {
             Some(share) => format!("; {share} % of friction and forces are held in reserve while it rolls"),
             None => String::new(),
         }
@@ -319,29 +324,29 @@ impl HandReasons<'_> {
     fn openings(&self, trials: &Trials) -> Option<String> {
         let order = self.order;
         let with = |change: &dyn Fn(&mut FingersFacts)| changed(order, change);
-        let is_there = |changed: &FingersOrder| trials.try_with(changed) == Known::There;
+        let has_plan = |changed: &FingersOrder| trials.try_with(changed) == PlanExists::Yes;
         let mut changes = Vec::new();
         // A part that sticks to the tips may not come off at a release.
         let is_released = order.steps.iter().any(|step| matches!(step.action, FingersAction::Release));
         if order.facts.adhesion == Adhesion::Absent && order.facts.pull_off_un > 0.0 && !is_released {
             let sticking = with(&|facts| facts.adhesion = Adhesion::Sticking);
-            changes.extend(is_there(&sticking).then(|| "`adhesion: true`".to_owned()));
+            changes.extend(has_plan(&sticking).then(|| "`adhesion: true`".to_owned()));
         }
-        if kept_back(order).is_some() && is_there(&with(&|facts| facts.rolling_reserve = 0.0)) {
+        if rolling_reserve_percent(order).is_some() && has_plan(&with(&|facts| facts.rolling_reserve = 0.0)) {
             changes.push("`rolling_reserve: 0`".to_owned());
         }
         let friction = |value: f64| with(&|facts| facts.friction = value);
-        let least = nearest([order.facts.friction, MOST_FRICTION], &|value| is_there(&friction(value)));
+        let least = nearest([order.facts.friction, MOST_FRICTION], &|value| has_plan(&friction(value)));
         changes.extend(least.map(|value| format!("`friction: {}`", digits(value))));
         if order.facts.adhesion == Adhesion::Sticking {
             let safety = |value: f64| with(&|facts| facts.removal_safety = value);
-            let most = nearest([order.facts.removal_safety, 0.0], &|value| is_there(&safety(value)));
+            let most = nearest([order.facts.removal_safety, 0.0], &|value| has_plan(&safety(value)));
             changes.extend(most.map(|value| format!("`removal_safety: {}`", digits(value))));
         }
         if trials.begins.held.is_none()
             && let Some((halved, step)) = halved(order)
         {
-            changes.extend(is_there(&halved).then(|| format!("`step: {step} deg`")));
+            changes.extend(has_plan(&halved).then(|| format!("`step: {step} deg`")));
         }
         let ended = "the search for other changes reached its limit";
         let there = match self.job.requirements.is_empty() {
@@ -385,10 +390,10 @@ impl HandReasons<'_> {
     }
 
     /// Report of fingers that cannot reach the positions of a plan.
-    fn no_way(&self, error: &WayError) -> Diagnostic {
+    fn no_motion(&self, error: &TipMotionError) -> Diagnostic {
         let at = |step: usize| HandReasons { at: step, ..*self }.span();
         match *error {
-            WayError::Range { step, finger, axis, beyond_um } => {
+            TipMotionError::Range { step, finger, axis, beyond_um } => {
                 let range_um = self.order.facts.range_um[axis];
                 let title = format!(
                     "finger {} would go {} um beyond its range of {} um along {}",
@@ -401,11 +406,11 @@ impl HandReasons<'_> {
                     .label(at(step), "in this step")
                     .help("place the part nearer to the middle of the hand, or give the stages a larger `range`")
             }
-            WayError::Blocked { step, finger, contact } => {
+            TipMotionError::Blocked { step, finger, contact } => {
                 let title = format!("finger {} has no clear path to or from contact {contact}", finger + 1);
                 Diagnostic::new(Code::E0602, title).label(at(step), "in this step").help("use another grasp")
             }
-            WayError::Adrift { step, finger, contact, off_um } => {
+            TipMotionError::OffContact { step, finger, contact, off_um } => {
                 let allowed_um = self.order.facts.tolerance_um;
                 let title = format!(
                     "finger {} ends {} um off contact {contact}, more than the tolerance of {} um leaves room for",
@@ -418,10 +423,10 @@ impl HandReasons<'_> {
                      the error: `release` the part before this step, or give the device a larger `tolerance`",
                 )
             }
-            WayError::TooFine { step } => Diagnostic::new(Code::E0602, "the path has too many segments")
+            TipMotionError::TooFine { step } => Diagnostic::new(Code::E0602, "the path has too many segments")
                 .label(at(step), "in this step")
                 .help("give the device a larger `tolerance`"),
-            WayError::Unfit { step } => {
+            TipMotionError::Unfit { step } => {
                 Diagnostic::new(Code::E0602, "the plan does not fit the grasp that it meets").label(at(step), "here")
             }
         }
@@ -438,22 +443,22 @@ fn axis(plane: Plane) -> &'static str {
 impl Trials<'_> {
     /// Tries an order with changed figures: first the stretch that has no plan now, then the whole task without its
     /// limits.
-    fn try_with(&self, order: &FingersOrder) -> Known {
-        let Begins { held, orientation, steps } = self.begins;
-        let Ok(mut sections) = Sections::of(order, Rc::clone(&self.looks)) else { return Known::Nothing };
+    fn try_with(&self, order: &FingersOrder) -> PlanExists {
+        let StretchStart { held, orientation, steps } = self.begins;
+        let Ok(mut sections) = Sections::of(order, Rc::clone(&self.looks)) else { return PlanExists::Unknown };
         let planned = routes(order, steps.clone(), *held);
         let chosen = PathChoice { first: FirstCriterion::Effort, gaits: None };
         match sound(order, &mut sections, &planned, *orientation, chosen) {
             Ok(GraspAnswer::Found(_)) => {}
-            Ok(GraspAnswer::Impossible(_)) if planned.left_out.is_none() => return Known::None,
-            Ok(_) | Err(_) => return Known::Nothing,
+            Ok(GraspAnswer::Impossible(_)) if planned.left_out.is_none() => return PlanExists::ProvenNo,
+            Ok(_) | Err(_) => return PlanExists::Unknown,
         }
         let (job, stance) = (self.why.job, self.why.stance);
         let open = LeftOpen::default();
-        let asked = AskedStretch { job, order, stance, open, first: FirstCriterion::Effort, gaits: Vec::new() };
-        match carried_out(&mut sections, &asked) {
-            Ok(_) => Known::There,
-            Err(_) => Known::Nothing,
+        let asked = TaskRequest { job, order, stance, open, first: FirstCriterion::Effort, gaits: Vec::new() };
+        match plan_task(&mut sections, &asked) {
+            Ok(_) => PlanExists::Yes,
+            Err(_) => PlanExists::Unknown,
         }
     }
 }

@@ -6,15 +6,15 @@
 //! the device's pulse duration, followed by the rest, in which nothing is switched. A step of moves is pulse after
 //! pulse without idle time and ends with its last rest.
 
-mod beside;
 mod scene;
+mod shared_scene;
 
 use super::clock::JudgedRun;
 use super::evidence::{Clearance, GapUnit};
 use super::geometry::convex::{share_of_side, towards};
 use super::record::TOLERANCE;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Halt, Judge, JudgedState, RecordTerms, Replay, Standing, Unfit};
+use super::{InvalidClaims, Judge, JudgedState, LastStates, RecordTerms, Replay, ReplayStop};
 use crate::claims::dimibot::{DimibotAction, DimibotOrder, DimibotStop};
 use crate::claims::{Claims, Order};
 use crate::device::dimibot::{DimibotFacts, DimibotOutcome, LatticeCell, Side, Simultaneous, Switch};
@@ -83,7 +83,7 @@ impl Judge for DimibotOrder {
         actuators("", &self.facts).contains_key(&format!(".{channel}")).then_some(ChannelUnit::Volt)
     }
 
-    fn premise(&self) -> Result<(), Unfit> {
+    fn premise(&self) -> Result<(), InvalidClaims> {
         scene::check_claims(self)
     }
 
@@ -110,11 +110,11 @@ impl Judge for DimibotOrder {
         &self,
         run: &JudgedRun<'a>,
         claims: &Claims,
-        standing: &mut Standing<'a>,
+        last_states: &mut LastStates<'a>,
         findings: &mut Findings,
-    ) -> Result<Replay<'a>, Halt> {
+    ) -> Result<Replay<'a>, ReplayStop> {
         let scene = DimibotObstacles::new(self)?;
-        let start = start(run, self, standing, findings);
+        let start = start(run, self, last_states, findings);
         let task = DimibotRun { run, order: self, start, pulses: pulses(run, self, start) };
         shapes(&task, findings);
         rests(&task, findings);
@@ -132,7 +132,7 @@ impl Judge for DimibotOrder {
         mixtures(&task, &scene, findings);
         goals(&task, findings);
         places(&task, findings);
-        standing.insert(&run.job.device, state(&self.facts, task.end()));
+        last_states.insert(&run.job.device, state(&self.facts, task.end()));
         Ok(Replay {
             states: task.states().into_iter().map(Cow::Owned).collect(),
             outcomes: task.outcomes(),
@@ -140,8 +140,8 @@ impl Judge for DimibotOrder {
         })
     }
 
-    fn beside(&self, runs: &[JudgedRun], order: &[usize], claims: &Claims, findings: &mut Findings) {
-        beside::tips_apart(runs, order, claims, findings);
+    fn check_between_devices(&self, runs: &[JudgedRun], order: &[usize], claims: &Claims, findings: &mut Findings) {
+        shared_scene::tips_apart(runs, order, claims, findings);
     }
 }
 
@@ -203,9 +203,9 @@ fn state(facts: &DimibotFacts, cell: LatticeCell) -> State {
 }
 
 /// Start of a run: the device's place; for its first run the task's `start at`, or home.
-fn start(run: &JudgedRun, order: &DimibotOrder, standing: &Standing, findings: &mut Findings) -> LatticeCell {
+fn start(run: &JudgedRun, order: &DimibotOrder, last_states: &LastStates, findings: &mut Findings) -> LatticeCell {
     let claimed = order.start.as_ref();
-    let Some(State::Dimibot(DimibotState { cell: [x, y], .. })) = standing.get(run.job.device.as_str()) else {
+    let Some(State::Dimibot(DimibotState { cell: [x, y], .. })) = last_states.get(run.job.device.as_str()) else {
         return claimed.map_or(order.facts.home, |start| start.value);
     };
     let stands = LatticeCell { x: *x, y: *y };
@@ -324,7 +324,7 @@ impl DimibotRun<'_> {
 /// Every pulse has the device's voltage and duration.
 fn shapes(task: &DimibotRun, findings: &mut Findings) {
     let DimibotFacts { pulse_voltage_v: volts, pulse_duration_ns, .. } = *task.facts();
-    findings.asked(Rule::Pulse, task.parts());
+    findings.count_checks(Rule::Pulse, task.parts());
     for pulse in &task.pulses {
         for (part, actuator) in &pulse.parts {
             let name = actuator.name();
@@ -344,7 +344,7 @@ fn shapes(task: &DimibotRun, findings: &mut Findings) {
 
 /// The rest after a pulse is over before the next pulse, and before the run ends.
 fn rests(task: &DimibotRun, findings: &mut Findings) {
-    findings.asked(Rule::Rest, task.pulses.len());
+    findings.count_checks(Rule::Rest, task.pulses.len());
     let next = task.pulses.iter().skip(1).map(|pulse| pulse.start_ns);
     for (pulse, next_ns) in task.pulses.iter().zip(next) {
         let since_ns = next_ns - pulse.start_ns;
@@ -376,7 +376,7 @@ fn idle(task: &DimibotRun, findings: &mut Findings) {
             DimibotAction::Wait(_) => continue,
             DimibotAction::Move(_) | DimibotAction::Visit(_) => (),
         }
-        findings.asked(Rule::Idle, 1);
+        findings.count_checks(Rule::Idle, 1);
         let step = task.run.step(nth);
         let mut due_ns = step.start_ns;
         let ends = task.of_step(nth).map(|pulse| pulse.start_ns).chain([step.end_ns()]);
@@ -397,7 +397,7 @@ fn waits(task: &DimibotRun, findings: &mut Findings) {
             DimibotAction::Wait(duration_ns) => duration_ns,
             DimibotAction::Move(_) | DimibotAction::Visit(_) => continue,
         };
-        findings.asked(Rule::Wait, 1);
+        findings.count_checks(Rule::Wait, 1);
         let step = task.run.step(nth);
         if step.duration_ns != duration_ns {
             let title = format!("the wait lasts {}, but {} in the program", ms(step.duration_ns), ms(duration_ns));
@@ -412,7 +412,7 @@ fn waits(task: &DimibotRun, findings: &mut Findings) {
 
 /// A module is not set and reset in one pulse.
 fn opposed(task: &DimibotRun, findings: &mut Findings) {
-    findings.asked(Rule::Opposed, task.pulses.len());
+    findings.count_checks(Rule::Opposed, task.pulses.len());
     for pulse in &task.pulses {
         let set = pulse.parts.iter().filter(|(_, actuator)| actuator.switch == Switch::Set);
         for (_, actuator) in set {
@@ -427,7 +427,7 @@ fn opposed(task: &DimibotRun, findings: &mut Findings) {
 
 /// A pulse sets a module that is 0 or resets one that is 1.
 fn switches(task: &DimibotRun, findings: &mut Findings) {
-    findings.asked(Rule::Switch, task.parts());
+    findings.count_checks(Rule::Switch, task.parts());
     for pulse in &task.pulses {
         for (_, actuator) in &pulse.parts {
             let twisted = pulse.parts.iter().any(|(_, other)| other.is_opposite(*actuator));
@@ -446,7 +446,7 @@ fn simultaneous(task: &DimibotRun, findings: &mut Findings) {
         Simultaneous::Safe => return,
         Simultaneous::Never => (),
     }
-    findings.asked(Rule::Simultaneous, task.pulses.len());
+    findings.count_checks(Rule::Simultaneous, task.pulses.len());
     for pulse in task.pulses.iter().filter(|pulse| pulse.strokes.len() > 1) {
         let (count, at) = (pulse.strokes.len(), ms(pulse.start_ns));
         let title = format!("{count} modules are switched at {at}; only 1 at a time is allowed");
@@ -456,7 +456,7 @@ fn simultaneous(task: &DimibotRun, findings: &mut Findings) {
 
 /// The tip is clear of obstacles before the first pulse.
 fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
-    findings.asked(Rule::Sweep, 1);
+    findings.count_checks(Rule::Sweep, 1);
     if let Some(touch) = scene.touch(task.start, task.start) {
         let title = format!("the tip starts at cell {}, {}", task.start, touch.describe(task.order));
         let violation = Violation::new(Rule::Sweep, task.run.plan.start_ns, title);
@@ -468,7 +468,7 @@ fn standing_clear(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Fi
 fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     for pulse in &task.pulses {
         let [stroke] = pulse.strokes[..] else { continue };
-        findings.asked(Rule::Sweep, 1);
+        findings.count_checks(Rule::Sweep, 1);
         let [low, high] = pulse.extremes();
         if let Some(touch) = scene.touch(low, high) {
             let (name, at, meeting) = (stroke.name(), ms(pulse.start_ns), touch.describe(task.order));
@@ -482,7 +482,7 @@ fn sweeps(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) 
 /// strokes, is clear.
 fn mixtures(task: &DimibotRun, scene: &DimibotObstacles, findings: &mut Findings) {
     for pulse in task.pulses.iter().filter(|pulse| pulse.strokes.len() > 1) {
-        findings.asked(Rule::Mixture, 1);
+        findings.count_checks(Rule::Mixture, 1);
         let [low, high] = pulse.extremes();
         if let Some(touch) = scene.touch(low, high) {
             let (count, at, meeting) = (pulse.strokes.len(), ms(pulse.start_ns), touch.describe(task.order));
@@ -508,7 +508,7 @@ fn clearances(task: &DimibotRun, scene: &DimibotObstacles) {
             between: [device.clone(), task.order.obstacles[found.obstacle].name.clone()],
             apart: found.gap_um - facts.tip_radius_um,
             needed: facts.repeatability_um,
-            within: 0.0,
+            error_bound: 0.0,
             unit: GapUnit::Micrometres,
             t_ns: start_ns.saturating_add((facts.pulse_duration_ns as f64 * share).round() as u64),
             points: [tip, found.on_solid].map(|point| [point.x, point.y, 0.0]),
@@ -523,7 +523,7 @@ fn touched(task: &DimibotRun, violation: Violation, touch: &TipTouch) -> Violati
 /// Stops are reached: those of a move in their order, those of a visit in any order. A move ends at its last stop, a
 /// visit at any of its stops.
 fn goals(task: &DimibotRun, findings: &mut Findings) {
-    findings.asked(Rule::Goal, task.order.steps.iter().map(|step| step.stops().len()).sum());
+    findings.count_checks(Rule::Goal, task.order.steps.iter().map(|step| step.stops().len()).sum());
     for (nth, claimed) in task.order.steps.iter().enumerate() {
         let cells = task.rests_at(nth);
         let missed = match &claimed.action {
@@ -566,7 +566,7 @@ fn missed_of_all<'a>(stops: &'a [DimibotStop], cells: &[LatticeCell]) -> Option<
 fn places(task: &DimibotRun, findings: &mut Findings) {
     for (nth, claimed) in task.order.steps.iter().enumerate() {
         let stops = claimed.stops();
-        findings.asked(Rule::Place, stops.len());
+        findings.count_checks(Rule::Place, stops.len());
         let start_ns = task.run.step(nth).start_ns;
         for stop in stops {
             if let Some(why) = scene::misplaced(task.order, stop) {

@@ -5,7 +5,7 @@
 //! plus repeatability, up to the rounding of [`super::super::geometry`]. Lattice cells are touched only if the centre
 //! enters them.
 
-use super::super::Unfit;
+use super::super::InvalidClaims;
 use super::super::boxes::{Extent, GroupedBoxes};
 use super::super::geometry::solid::Solid;
 use super::super::premise::is_frame;
@@ -23,11 +23,11 @@ const BOX_MARGIN_UM: f64 = 1e-6;
 const TOLERANCE: f64 = 1e-9;
 
 /// Checks the replay's assumptions about claims.
-pub(super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
+pub(super) fn check_claims(order: &DimibotOrder) -> Result<(), InvalidClaims> {
     let facts = &order.facts;
-    let unfit = |why: &str| Err(Unfit(format!("the claims of a dimibot {why}")));
+    let invalid = |why: &str| Err(InvalidClaims(format!("the claims of a dimibot {why}")));
     if ![facts.left, facts.right].iter().all(|modules| (1..=MAX_MODULES).contains(modules)) {
-        return unfit("have no module on a side, or too many");
+        return invalid("have no module on a side, or too many");
     }
     let positive = [facts.stroke_um, facts.gain, facts.pulse_voltage_v, facts.pulse_current_a];
     let others = [facts.repeatability_um, facts.tip_radius_um];
@@ -36,18 +36,18 @@ pub(super) fn check_claims(order: &DimibotOrder) -> Result<(), Unfit> {
         || facts.gain * facts.stroke_um > MAX_EXTENT_UM
         || !(facts.pulse_voltage_v * facts.pulse_current_a).is_finite()
     {
-        return unfit("have a field out of range");
+        return invalid("have a field out of range");
     }
     if order.frame.is_some_and(|frame| !is_frame(&frame)) {
-        return unfit("place it out of range");
+        return invalid("place it out of range");
     }
     if facts.pulse_duration_ns == 0 || facts.pulse_duration_ns.checked_add(facts.rest_ns).is_none() {
-        return unfit("have a pulse of zero duration, or a rest beyond the end of the clock");
+        return invalid("have a pulse of zero duration, or a rest beyond the end of the clock");
     }
     let stops = order.steps.iter().flat_map(DimibotStep::stops);
     let start = order.start.as_ref().map(|start| start.value);
     if !stops.map(|stop| stop.cell).chain(start).chain([facts.home]).all(|cell| exists(facts, cell)) {
-        return unfit("name a cell that it does not have");
+        return invalid("name a cell that it does not have");
     }
     Ok(())
 }
@@ -139,7 +139,7 @@ impl TipTouch {
         match self.gap_um {
             None => format!("which touches the cells of `{name}`{others}"),
             Some(gap_um) => {
-                let (gap, room) = (digits(gap_um), digits(room_um(&order.facts)));
+                let (gap, room) = (digits(gap_um), digits(contact_distance_um(&order.facts)));
                 format!("with a gap of {gap} um to `{name}`{others}; more than {room} um is needed")
             }
         }
@@ -151,14 +151,14 @@ impl<'a> DimibotObstacles<'a> {
     ///
     /// # Errors
     /// If the shape or the pose of a solid obstacle is invalid.
-    pub fn new(order: &'a DimibotOrder) -> Result<DimibotObstacles<'a>, Unfit> {
+    pub fn new(order: &'a DimibotOrder) -> Result<DimibotObstacles<'a>, InvalidClaims> {
         let (mut solids, mut blocks) = (Vec::new(), Vec::new());
         for (index, obstacle) in order.obstacles.iter().enumerate() {
             match &obstacle.body {
                 DimibotObstacleBody::Cells { from, to } => blocks.push((index, [*from, *to])),
                 DimibotObstacleBody::Solid { shape, pose } => {
-                    let unfit = || Unfit(format!("the claims' obstacle `{}` has no shape", obstacle.name));
-                    solids.push((index, Solid::of(shape, pose).ok_or_else(unfit)?));
+                    let invalid = || InvalidClaims(format!("the claims' obstacle `{}` has no shape", obstacle.name));
+                    solids.push((index, Solid::of(shape, pose).ok_or_else(invalid)?));
                 }
             }
         }
@@ -199,11 +199,11 @@ impl<'a> DimibotObstacles<'a> {
 
     fn touched_solids(&self, low: LatticeCell, high: LatticeCell) -> Vec<(usize, Option<f64>)> {
         let swept = swept(self.facts, &self.stand, [low, high]);
-        let room_um = room_um(self.facts);
-        let area = Extent::of(&swept).widened(room_um + BOX_MARGIN_UM);
+        let contact_distance_um = contact_distance_um(self.facts);
+        let area = Extent::of(&swept).widened(contact_distance_um + BOX_MARGIN_UM);
         let near = self.solid_boxes.meeting(&area).into_iter().map(|at| &self.solids[at]);
         let measured = near.map(|(index, body)| (*index, body.gap_um(&swept)));
-        let touched = measured.filter(|(_, gap_um)| *gap_um <= room_um);
+        let touched = measured.filter(|(_, gap_um)| *gap_um <= contact_distance_um);
         touched.map(|(index, gap_um)| (index, Some(gap_um.max(0.0)))).collect()
     }
 
@@ -222,7 +222,7 @@ fn lattice_point(cell: LatticeCell) -> Point2<f64> {
 }
 
 /// Greatest distance from the nominal place at which a body may touch the tip: tip radius plus repeatability.
-pub(super) fn room_um(facts: &DimibotFacts) -> f64 {
+pub(super) fn contact_distance_um(facts: &DimibotFacts) -> f64 {
     facts.tip_radius_um + facts.repeatability_um
 }
 

@@ -9,7 +9,7 @@
 //! once those are done.
 
 use super::mixing::{Loop, Mixing};
-use super::stage::Meetings;
+use super::stage::StepGoals;
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -103,7 +103,7 @@ pub(super) struct MissedOperation<'o> {
 /// An assay in progress.
 #[derive(Debug)]
 pub(super) struct JudgedAssay<'o> {
-    pub meetings: Meetings,
+    pub goals: StepGoals,
     turns: BTreeMap<usize, PartTurn<'o>>,
     /// Outlets at which droplets are dispensed.
     outlets: BTreeSet<ElectrodeCell>,
@@ -166,10 +166,10 @@ impl<'o> JudgedAssay<'o> {
                 turn.due.push(DueStop { cell, stop: None, beats: 0, with: None, operation, ends: None, work });
             }
         }
-        let meetings = Meetings::new(operations.iter().flat_map(AssayOperation::all_parts));
+        let goals = StepGoals::new(operations.iter().flat_map(AssayOperation::all_parts));
         let coming = operations.iter().filter(|operation| operation.comes);
         let outlets = coming.filter_map(|operation| Some(operation.stops.first()?.cell)).collect();
-        JudgedAssay { meetings, turns, outlets, beats: vec![None; operations.len()], homes: BTreeMap::new() }
+        JudgedAssay { goals, turns, outlets, beats: vec![None; operations.len()], homes: BTreeMap::new() }
     }
 
     /// The parts that are due to be dispensed at open outlets, by the cell of the outlet.
@@ -256,7 +256,7 @@ impl<'o> JudgedAssay<'o> {
             self.is_next(due.with?, due).then_some((part, (due.with?, due.cell)))
         });
         let pairs = pairs.collect();
-        self.meetings.pairs = pairs;
+        self.goals.pairs = pairs;
     }
 
     /// The beat after which all operations before this one were done; `None` until they are.

@@ -6,8 +6,8 @@
 use super::JudgedBoard;
 use super::assay::JudgedSplit;
 use super::bodies::{SweptCells, first_touch, needed};
-use super::pull::{PartPull, acting, explained, merging, range};
-use super::stage::Meetings;
+use super::pull::{PartPull, acting, merging, pull_of, range};
+use super::stage::StepGoals;
 use crate::claims::electrode_array::Bystanders;
 use crate::device::electrode_array::{ElectrodeCell, Electrodes, Hold};
 use crate::verify::Violation;
@@ -22,12 +22,12 @@ pub(super) struct StepBeat<'m> {
     /// Index of the step in the run.
     pub nth: usize,
     pub at_ns: u64,
-    pub stage: &'m Meetings,
+    pub goals: &'m StepGoals,
     pub on: &'m FxHashSet<ElectrodeCell>,
     /// The droplets that are split in it; both halves are on the board at its start.
     pub splits: &'m [JudgedSplit],
     /// Parts that are being dispensed and whose electrode their reservoir switches off.
-    pub unheld: &'m [usize],
+    pub released: &'m [usize],
 }
 
 impl StepBeat<'_> {
@@ -57,9 +57,9 @@ impl JudgedBoard<'_, '_> {
     /// Motion of every part, or the first violation of the rules on electrodes.
     pub(super) fn pulled(&self, moment: &StepBeat) -> Result<Pulls, Violation> {
         let tally = &self.run.tally;
-        tally.asked(Rule::Pull, self.cells.iter().flatten().count());
-        tally.asked(Rule::Unused, moment.on.len());
-        tally.asked(Rule::Broadcast, moment.on.iter().filter(|cell| self.channels.is_shared(**cell)).count());
+        tally.count_checks(Rule::Pull, self.cells.iter().flatten().count());
+        tally.count_checks(Rule::Unused, moment.on.len());
+        tally.count_checks(Rule::Broadcast, moment.on.iter().filter(|cell| self.channels.is_shared(**cell)).count());
         let pulls = self.pulls(moment)?;
         let owners = self.owners(moment, &pulls)?;
         self.strays(moment, &pulls, &owners)?;
@@ -73,10 +73,10 @@ impl JudgedBoard<'_, '_> {
         let electrodes = self.order.facts.layout.electrodes;
         let here = self.cells.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?)));
         let pull = |(part, at): (usize, ElectrodeCell)| {
-            let pull = match (moment.split(part), moment.stage.partner(part)) {
+            let pull = match (moment.split(part), moment.goals.partner(part)) {
                 (Some((to, _)), _) => Some(PartPull { from: at, to, by: vec![to] }),
                 (None, Some((_, goal))) => merging(moment.on, self.order.facts.hold, at, goal),
-                (None, None) => explained(moment.on, electrodes, at),
+                (None, None) => pull_of(moment.on, electrodes, at),
             };
             pull.map(|pull| (part, pull)).ok_or_else(|| {
                 let (name, time) = (self.name(part), ms(moment.at_ns));
@@ -95,7 +95,7 @@ impl JudgedBoard<'_, '_> {
         for (part, pull) in pulls {
             for electrode in &pull.by {
                 let Some(other) = owners.insert(*electrode, *part) else { continue };
-                if moment.stage.partner(*part) != Some((other, *electrode)) {
+                if moment.goals.partner(*part) != Some((other, *electrode)) {
                     let (one, two, at) = (self.name(other), self.name(*part), ms(moment.at_ns));
                     let title = format!("electrode {electrode} at {at} pulls both `{one}` and `{two}`");
                     return Err(self.broken(Rule::Pull, moment, title, &[other, *part]));
@@ -114,7 +114,7 @@ impl JudgedBoard<'_, '_> {
     ) -> Result<(), Violation> {
         let electrodes = self.order.facts.layout.electrodes;
         for (part, pull) in pulls {
-            let partner = moment.stage.partner(*part);
+            let partner = moment.goals.partner(*part);
             let meant = |electrode: &ElectrodeCell| {
                 let of_partner = partner.is_some_and(|(other, goal)| {
                     let stands = pull.from == goal || pull.to == goal;
@@ -164,13 +164,13 @@ impl JudgedBoard<'_, '_> {
             Electrodes::Quad => return Ok(()),
             Electrodes::Single => (),
         }
-        self.run.tally.asked(Rule::Hold, pulls.iter().filter(|(_, pull)| !pull.moves()).count());
+        self.run.tally.count_checks(Rule::Hold, pulls.iter().filter(|(_, pull)| !pull.moves()).count());
         // Where droplets are not held, one may rest on an electrode that is on because its channel also moves another
         // droplet.
         let moving = pulls.iter().filter(|(_, pull)| pull.moves()).flat_map(|(_, pull)| &pull.by);
         let carrying = self.channels.all_shared(moving);
-        for (part, pull) in pulls.iter().filter(|(part, pull)| !pull.moves() && !moment.unheld.contains(part)) {
-            let joined = moment.stage.partner(*part).is_some_and(|(other, goal)| {
+        for (part, pull) in pulls.iter().filter(|(part, pull)| !pull.moves() && !moment.released.contains(part)) {
+            let joined = moment.goals.partner(*part).is_some_and(|(other, goal)| {
                 goal == pull.from && pulls.iter().any(|(part, pull)| *part == other && pull.moves() && pull.to == goal)
             });
             let joined = joined || self.channels.shared(pull.from).is_some_and(|channel| carrying.contains(&channel));
@@ -189,7 +189,7 @@ impl JudgedBoard<'_, '_> {
     /// No electrode that is on acts on a stuck part.
     pub(super) fn leaves_stuck_parts(&self, nth: usize, electrode: ElectrodeCell, at_ns: u64) -> Result<(), Violation> {
         let rule = self.channels.blamed(&[electrode]);
-        self.run.tally.asked(rule, 1);
+        self.run.tally.count_checks(rule, 1);
         let Some(stuck) = self.scene.pulled(electrode, range(self.order.facts.layout.electrodes)) else {
             return Ok(());
         };
@@ -204,8 +204,10 @@ impl JudgedBoard<'_, '_> {
             Bystanders::Yield => return Ok(()),
             Bystanders::Stay => (),
         }
-        self.run.tally.asked(Rule::Bystander, pulls.iter().filter(|(part, _)| !moment.stage.is_asked(*part)).count());
-        let moved = pulls.iter().find(|(part, pull)| pull.moves() && !moment.stage.is_asked(*part));
+        self.run
+            .tally
+            .count_checks(Rule::Bystander, pulls.iter().filter(|(part, _)| !moment.goals.has_goal(*part)).count());
+        let moved = pulls.iter().find(|(part, pull)| pull.moves() && !moment.goals.has_goal(*part));
         let Some((part, PartPull { from, to, .. })) = moved else { return Ok(()) };
         let (name, at) = (self.name(*part), ms(moment.at_ns));
         let title = format!("`{name}` moves from {from} to {to} at {at}, but has no goal in this step");
@@ -228,8 +230,8 @@ impl JudgedBoard<'_, '_> {
             Some((part, PartPull { from: at, to: at, by: Vec::new() }))
         };
         let pulls: Pulls = self.cells.iter().enumerate().filter_map(rests).collect();
-        let (stage, on) = (Meetings::default(), FxHashSet::default());
-        let moment = StepBeat { nth: 0, at_ns, stage: &stage, on: &on, splits: &[], unheld: &[] };
+        let (goals, on) = (StepGoals::default(), FxHashSet::default());
+        let moment = StepBeat { nth: 0, at_ns, goals: &goals, on: &on, splits: &[], released: &[] };
         self.nearest(&moment, &pulls);
         let broken = self.touches(&moment, &pulls).or_else(|| self.clearances(at_ns, &pulls));
         match broken {
@@ -249,7 +251,7 @@ impl JudgedBoard<'_, '_> {
         if moment.split(*part).is_some_and(|(_, half)| half == *second) {
             return Some([pull, other].map(|pull| SweptCells::new(pull.to, pull.to)));
         }
-        match moment.stage.partner(*part).filter(|(partner, _)| partner == second) {
+        match moment.goals.partner(*part).filter(|(partner, _)| partner == second) {
             None => Some([pull, other].map(|pull| SweptCells::new(pull.from, pull.to))),
             Some((_, goal)) => {
                 let besides = |pull: &PartPull| SweptCells::besides(pull.from, pull.to, goal);
@@ -268,15 +270,15 @@ impl JudgedBoard<'_, '_> {
     fn touches(&self, moment: &StepBeat, pulls: &Pulls) -> Option<Broken> {
         let at_ns = moment.at_ns;
         let needed = needed(&self.order.facts);
-        self.run.tally.asked(Rule::Touch, pulls.len());
-        let ways: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
+        self.run.tally.count_checks(Rule::Touch, pulls.len());
+        let paths: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
         let apart = |one: usize, other: usize| self.apart(moment, [&pulls[one], &pulls[other]]);
         let time = ms(at_ns);
         let described = |(part, pull): &(usize, PartPull)| match pull.moves() {
             true => format!("`{}` on its way from {} to {}", self.name(*part), pull.from, pull.to),
             false => format!("`{}` at {}", self.name(*part), pull.from),
         };
-        if let Some((one, other, near)) = first_touch(&ways, needed, apart) {
+        if let Some((one, other, near)) = first_touch(&paths, needed, apart) {
             let (first, second) = (described(&pulls[one]), described(&pulls[other]));
             let title = format!(
                 "{first} and {second} come as near as {near} at {time}; at least {needed} electrodes are needed"
@@ -284,7 +286,7 @@ impl JudgedBoard<'_, '_> {
             return Some((Rule::Touch, title, vec![pulls[one].0, pulls[other].0]));
         }
         let near_stuck = |(pull, way): (&(usize, PartPull), &SweptCells)| Some((pull.clone(), self.scene.stuck(way)?));
-        let (pull, (stuck, near)) = pulls.iter().zip(&ways).find_map(near_stuck)?;
+        let (pull, (stuck, near)) = pulls.iter().zip(&paths).find_map(near_stuck)?;
         let (first, stuck) = (described(&pull), &self.order.obstacles[stuck].name);
         let title =
             format!("{first} comes as near as {near} to `{stuck}` at {time}; at least {needed} electrodes are needed");
@@ -293,7 +295,7 @@ impl JudgedBoard<'_, '_> {
 
     /// Where a part rests or arrives, it keeps the clearance from electrodes that an obstacle covers.
     fn clearances(&self, at_ns: u64, pulls: &Pulls) -> Option<Broken> {
-        self.run.tally.asked(Rule::Clearance, pulls.len());
+        self.run.tally.count_checks(Rule::Clearance, pulls.len());
         let near = |(part, pull): &(usize, PartPull)| Some((*part, pull.to, self.scene.blocked(pull.to)?));
         let (part, at, (obstacle, near)) = pulls.iter().find_map(near)?;
         let (name, obstacle, time) = (self.name(part), &self.order.obstacles[obstacle].name, ms(at_ns));

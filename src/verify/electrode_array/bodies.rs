@@ -71,22 +71,22 @@ pub(super) fn needed(facts: &ElectrodeArrayFacts) -> u32 {
 }
 
 /// The first two parts that come nearer than `needed`, with their distance. `apart` gives the distance between two
-/// parts by their indices in `ways`; `None` if no distance is required between them.
+/// parts by their indices in `paths`; `None` if no distance is required between them.
 pub(super) fn first_touch(
-    ways: &[SweptCells],
+    paths: &[SweptCells],
     needed: u32,
     apart: impl Fn(usize, usize) -> Option<u32>,
 ) -> Option<(usize, usize, u32)> {
     // A path is at most two cells long, so paths that come too near are in the same or in neighbouring buckets.
     let bucket = |way: &SweptCells| [way.low.column, way.low.row].map(|at| i64::from(at / needed.saturating_add(1)));
     let mut buckets: FxHashMap<[i64; 2], Vec<usize>> = FxHashMap::default();
-    for (index, way) in ways.iter().enumerate() {
+    for (index, way) in paths.iter().enumerate() {
         buckets.entry(bucket(way)).or_default().push(index);
     }
     let around = |[column, row]: [i64; 2]| {
         (column - 1..=column + 1).flat_map(move |column| (row - 1..=row + 1).map(move |row| [column, row]))
     };
-    ways.iter().enumerate().find_map(|(one, way)| {
+    paths.iter().enumerate().find_map(|(one, way)| {
         let near = around(bucket(way)).filter_map(|bucket| buckets.get(&bucket)).flatten();
         let later = near.filter(|other| **other > one);
         let touched =

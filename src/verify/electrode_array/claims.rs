@@ -3,7 +3,7 @@
 //! Input: an order. Output: nothing, or the reason why no run can be checked against it. Claims of the checker always
 //! pass.
 
-use super::super::Unfit;
+use super::super::InvalidClaims;
 use super::broadcast::JudgedChannels;
 use crate::claims::electrode_array::{
     AssayOperation, BoardZone, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacleBody,
@@ -22,7 +22,7 @@ const MAX_SEPARATION: u32 = MAX_SIDE;
 ///
 /// # Errors
 /// If no schedule can be checked against the claims.
-pub(super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
+pub(super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), InvalidClaims> {
     facts(&order.facts)?;
     parts(order)?;
     obstacles(order)?;
@@ -42,15 +42,15 @@ pub(super) fn check_claims(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
     })
 }
 
-fn unfit(why: &str) -> Unfit {
-    Unfit(format!("the claims of an electrode array {why}"))
+fn invalid(why: &str) -> InvalidClaims {
+    InvalidClaims(format!("the claims of an electrode array {why}"))
 }
 
-fn demand(holds: bool, why: &str) -> Result<(), Unfit> {
-    if holds { Ok(()) } else { Err(unfit(why)) }
+fn demand(holds: bool, why: &str) -> Result<(), InvalidClaims> {
+    if holds { Ok(()) } else { Err(invalid(why)) }
 }
 
-fn facts(facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
+fn facts(facts: &ElectrodeArrayFacts) -> Result<(), InvalidClaims> {
     let sides = 1..=MAX_SIDE;
     demand(sides.contains(&facts.columns) && sides.contains(&facts.rows), "have no electrode, or too many")?;
     let numbers = [facts.radius_um, facts.pitch_ratio, facts.potential_v, facts.layout.half_width_pitches];
@@ -82,7 +82,7 @@ fn facts(facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
 }
 
 /// Frames are whole steps of the board; each sequence begins with a pad of its own and ends with the outlet on.
-fn reservoirs(pads: &ReservoirPads, facts: &ElectrodeArrayFacts) -> Result<(), Unfit> {
+fn reservoirs(pads: &ReservoirPads, facts: &ElectrodeArrayFacts) -> Result<(), InvalidClaims> {
     let is_whole = pads.frame_ns > 0 && pads.frame_ns.is_multiple_of(facts.step_ns);
     demand(is_whole, "have reservoir frames that are not whole steps of the board")?;
     let mut outlets = BTreeSet::new();
@@ -105,7 +105,7 @@ fn reservoirs(pads: &ReservoirPads, facts: &ElectrodeArrayFacts) -> Result<(), U
     Ok(())
 }
 
-fn parts(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
+fn parts(order: &ElectrodeArrayOrder) -> Result<(), InvalidClaims> {
     demand(order.parts.len() <= MAX_PARTS, "have too many parts")?;
     let names: BTreeSet<&str> = order.parts.iter().map(|part| part.name.as_str()).collect();
     demand(names.len() == order.parts.len(), "have two parts with the same name")?;
@@ -128,7 +128,7 @@ fn is_on_board(facts: &ElectrodeArrayFacts, [column, row]: [i64; 2]) -> bool {
     is_place && !facts.map.as_ref().is_some_and(|map| is_gap(&map.channels))
 }
 
-fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
+fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), InvalidClaims> {
     let is_block = |body: &ElectrodeArrayObstacleBody| match body {
         ElectrodeArrayObstacleBody::Electrodes { from, to } => from.column <= to.column && from.row <= to.row,
         ElectrodeArrayObstacleBody::Fixed(_) => true,
@@ -138,7 +138,7 @@ fn obstacles(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
 
 /// Zones lie on the board. Stays in heaters, and only those, have a temperature, which is the same for all stays in
 /// one heater.
-fn zones(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
+fn zones(order: &ElectrodeArrayOrder) -> Result<(), InvalidClaims> {
     let is_block = |zone: &BoardZone| {
         let [low, high] = [zone.from, zone.to].map(ElectrodeCell::pair);
         (1..=high[0]).contains(&low[0])
@@ -166,7 +166,7 @@ fn zones(order: &ElectrodeArrayOrder) -> Result<(), Unfit> {
 }
 
 /// Several places are alternatives for the single stop of an operation, which does the same at each.
-fn among(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), Unfit> {
+fn among(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), InvalidClaims> {
     let cells: Vec<ElectrodeCell> = operation.among.iter().map(|place| place.stop.cell).collect();
     let distinct: BTreeSet<[u32; 2]> = cells.iter().map(|cell| cell.pair()).collect();
     let is_choice = (2..=MAX_PLACES).contains(&cells.len()) && distinct.len() == cells.len();
@@ -187,14 +187,14 @@ fn among(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), 
 }
 
 /// An operation in a zone does nothing but stay there.
-fn in_zone(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay: ZoneStay) -> Result<(), Unfit> {
+fn in_zone(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay: ZoneStay) -> Result<(), InvalidClaims> {
     demand(stay.zone < order.zones.len(), "name a zone that they do not have")?;
     let is_plain = operation.with.is_none() && operation.splits.is_none() && !operation.mixes;
     let is_there = !operation.comes && !operation.leaves && operation.stops.len() == 1 && operation.stay_ns > 0;
     demand(is_plain && is_there, "combine a stay in a zone with another operation, or make it last no time")
 }
 
-fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Result<(), Unfit> {
+fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Result<(), InvalidClaims> {
     let channels = JudgedChannels::new(&order.facts);
     let mut gone = BTreeSet::new();
     let mut stays: u64 = 0;
@@ -253,7 +253,7 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
 }
 
 /// A droplet is mixed for some time, or it is split and its halves go to opposite sides.
-fn mix_or_split(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), Unfit> {
+fn mix_or_split(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Result<(), InvalidClaims> {
     let is_plain = operation.with.is_none() && !operation.comes && !operation.leaves;
     let is_droplet = order.facts.layout.electrodes == Electrodes::Single;
     demand(
@@ -265,7 +265,7 @@ fn mix_or_split(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Resu
     };
     demand(!operation.mixes && operation.stay_ns == 0, "combine a split with mixing or a stay")?;
     demand(half.part != operation.part, "split a droplet from itself")?;
-    let [centre, goes] = operation.stops.as_slice() else { return Err(unfit("split a droplet at no cell")) };
+    let [centre, goes] = operation.stops.as_slice() else { return Err(invalid("split a droplet at no cell")) };
     let place = |cell: ElectrodeCell| cell.pair().map(i64::from);
     demand(is_on_board(&order.facts, place(half.cell)), "name a cell that the board does not have")?;
     let (at, goes, comes) = (place(centre.cell), place(goes.cell), place(half.cell));
@@ -276,12 +276,12 @@ fn mix_or_split(order: &ElectrodeArrayOrder, operation: &AssayOperation) -> Resu
     demand(is_held, "split a droplet that is not held, or into two that are too close")
 }
 
-fn stops(order: &ElectrodeArrayOrder, stops: &[ElectrodeArrayStop]) -> Result<(), Unfit> {
+fn stops(order: &ElectrodeArrayOrder, stops: &[ElectrodeArrayStop]) -> Result<(), InvalidClaims> {
     let known = stops.iter().all(|stop| is_on_board(&order.facts, stop.cell.pair().map(i64::from)));
     demand(known, "name a cell that the board does not have")
 }
 
-fn goals(order: &ElectrodeArrayOrder, moves: &[ElectrodeArrayMove]) -> Result<(), Unfit> {
+fn goals(order: &ElectrodeArrayOrder, moves: &[ElectrodeArrayMove]) -> Result<(), InvalidClaims> {
     let mut met = BTreeSet::new();
     let mut shared = BTreeSet::new();
     for action in moves {

@@ -58,7 +58,7 @@ pub(super) fn broken(claims: &Claims, job: &Job, tally: &Tally) -> Vec<BrokenCon
     let mut found = Vec::new();
     for order in own.filter_map(|job| ElectrodeArrayOrder::of(&job.order)) {
         board.put(order);
-        tally.asked(Rule::Requirement, order.contents.len() + limited(order));
+        tally.count_checks(Rule::Requirement, order.contents.len() + limited(order));
         found.extend(operated(order, &mut board.droplets));
         found.extend(order.contents.iter().filter_map(|content| other_than(content, order, &board.droplets)));
     }

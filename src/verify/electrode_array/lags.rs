@@ -8,7 +8,7 @@ use crate::verify::rule::{Findings, Rule, ms};
 impl JudgedBoard<'_, '_> {
     /// No operation begins too late after the operations that its `within` counts from.
     pub(super) fn lags(&self, nth: usize, assay: &JudgedAssay, operations: &[AssayOperation], findings: &mut Findings) {
-        findings.asked(Rule::Lag, operations.iter().filter(|operation| operation.within.is_some()).count());
+        findings.count_checks(Rule::Lag, operations.iter().filter(|operation| operation.within.is_some()).count());
         let (step_ns, start_ns) = (self.order.facts.step_ns, self.run.step(nth).start_ns);
         for (operation, [ended, begins]) in assay.late(operations, step_ns) {
             let Some(within) = &operation.within else { continue };

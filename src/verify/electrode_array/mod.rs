@@ -29,7 +29,7 @@ pub(crate) use contents::{DropletAfter, droplets_after};
 use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Halt, Judge, JudgedOperation, JudgedState, RecordTerms, Replay, Standing, Unfit};
+use super::{InvalidClaims, Judge, JudgedOperation, JudgedState, LastStates, RecordTerms, Replay, ReplayStop};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
 use crate::claims::{Claims, Order};
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell};
@@ -41,7 +41,7 @@ use bodies::BoardObstacles;
 use broadcast::JudgedChannels;
 use reservoirs::JudgedReservoirs;
 use rustc_hash::FxHashSet;
-use stage::{JudgedStage, Meetings};
+use stage::{StepGoals, StepProgress};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use switching::{SwitchPulse, Switching, pulses};
@@ -54,7 +54,7 @@ impl Judge for ElectrodeArrayOrder {
         is_own.then_some(ChannelUnit::Volt)
     }
 
-    fn premise(&self) -> Result<(), Unfit> {
+    fn premise(&self) -> Result<(), InvalidClaims> {
         claims::check_claims(self)
     }
 
@@ -90,10 +90,10 @@ impl Judge for ElectrodeArrayOrder {
         &self,
         run: &JudgedRun<'a>,
         claims: &Claims,
-        standing: &mut Standing<'a>,
+        last_states: &mut LastStates<'a>,
         findings: &mut Findings,
-    ) -> Result<Replay<'a>, Halt> {
-        let mut board = JudgedBoard::new(run, self, standing)?;
+    ) -> Result<Replay<'a>, ReplayStop> {
+        let mut board = JudgedBoard::new(run, self, last_states)?;
         board.traces = JudgedTraces::new(self, claims, run.job);
         board.potentials(findings);
         board.disabled(findings);
@@ -113,7 +113,7 @@ impl Judge for ElectrodeArrayOrder {
             let end_ns = run.plan.end_ns();
             findings.push(Violation::new(Rule::Requirement, end_ns, wrong.title).label(wrong.span, "this droplet"));
         }
-        standing.insert(&run.job.device, board.state());
+        last_states.insert(&run.job.device, board.state());
         let outcomes = board.outcomes();
         Ok(Replay { states: board.states, outcomes, operations: board.operations })
     }
@@ -156,7 +156,7 @@ struct JudgedBoard<'r, 'a> {
 }
 
 impl<'r, 'a> JudgedBoard<'r, 'a> {
-    fn new(run: &'r JudgedRun<'a>, order: &'r ElectrodeArrayOrder, standing: &Standing) -> Result<Self, Halt> {
+    fn new(run: &'r JudgedRun<'a>, order: &'r ElectrodeArrayOrder, last: &LastStates) -> Result<Self, ReplayStop> {
         let mut by_name: Vec<usize> = (0..order.parts.len()).collect();
         by_name.sort_unstable_by_key(|part| &order.parts[*part].name);
         let (pulses, pads) = pulses(run, order)?;
@@ -168,7 +168,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             pulses,
             pads,
             by_name,
-            cells: start(run, order, standing),
+            cells: start(run, order, last),
             states: Vec::new(),
             operations: BTreeMap::new(),
             traces: None,
@@ -182,7 +182,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     fn potentials(&self, findings: &mut Findings) {
         let volts = self.order.facts.potential_v;
         let mut hold = |nth: usize, name: &dyn Fn() -> String, part: &Actuation| {
-            findings.asked(Rule::Potential, 1);
+            findings.count_checks(Rule::Potential, 1);
             if part.from != volts || part.to != volts {
                 let (name, from, to, at) = (name(), part.from, part.to, ms(part.start_ns));
                 let title = format!("{name} goes from {from} V to {to} V at {at}; {volts} V is needed");
@@ -198,7 +198,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// No electrode that does not work is on, nor a channel without a working electrode: it would pull nothing.
     fn disabled(&self, findings: &mut Findings) {
         let Some(map) = &self.order.facts.map else { return };
-        findings.asked(Rule::Disabled, self.pulses.iter().map(Vec::len).sum());
+        findings.count_checks(Rule::Disabled, self.pulses.iter().map(Vec::len).sum());
         for (nth, pulses) in self.pulses.iter().enumerate() {
             let is_dead =
                 |cell: &ElectrodeCell| self.channels.switches(*cell).iter().all(|one| map.disabled.contains(one));
@@ -211,7 +211,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 
     /// Nothing moves for the claimed duration; holding electrodes stay on.
-    fn wait(&mut self, nth: usize, duration_ns: u64, findings: &mut Findings) -> Result<(), Halt> {
+    fn wait(&mut self, nth: usize, duration_ns: u64, findings: &mut Findings) -> Result<(), ReplayStop> {
         self.run.wait_lasts(nth, duration_ns, findings);
         let step = self.run.step(nth);
         if step.duration_ns == 0 {
@@ -222,10 +222,10 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let moment = StepBeat {
             nth,
             at_ns: step.start_ns,
-            stage: &Meetings::default(),
+            goals: &StepGoals::default(),
             on: &switching.on,
             splits: &[],
-            unheld: &[],
+            released: &[],
         };
         let pulls = self.pulled(&moment)?;
         if let Some((part, pull)) = pulls.iter().find(|(_, pull)| pull.moves()) {
@@ -237,12 +237,12 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 
     /// Parts move to their goals, beat by beat.
-    fn follow(&mut self, nth: usize, moves: &[ElectrodeArrayMove], findings: &mut Findings) -> Result<(), Halt> {
+    fn follow(&mut self, nth: usize, moves: &[ElectrodeArrayMove], findings: &mut Findings) -> Result<(), ReplayStop> {
         let step = self.run.step(nth);
         let step_ns = self.order.facts.step_ns;
         let beats = self.whole_beats(nth)?;
         let mut switching = self.switching(nth, step_ns)?;
-        let mut stage = JudgedStage::new(moves, &self.cells);
+        let mut stage = StepProgress::new(moves, &self.cells);
         let mut moved = 0;
         for beat in 0..beats {
             let at_ns = step.start_ns + beat * step_ns;
@@ -253,10 +253,10 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             let pulls = self.beat(&StepBeat {
                 nth,
                 at_ns,
-                stage: &stage.meetings,
+                goals: &stage.goals,
                 on: &switching.on,
                 splits: &[],
-                unheld: &[],
+                released: &[],
             })?;
             moved = 0;
             for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
@@ -268,7 +268,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         }
         self.beats = self.beats.saturating_add(beats);
         self.sum_of_costs = self.sum_of_costs.saturating_add(stage.cost());
-        findings.asked(Rule::Goal, moves.len());
+        findings.count_checks(Rule::Goal, moves.len());
         self.goals(nth, &stage, findings);
         let homes = stage.homes.iter().map(|(part, home)| (*part, *home));
         self.returns(nth, homes, findings);
@@ -291,14 +291,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// Updates zones and assay after a number of beats. Returns the parts that were on the board until then.
     fn settle(&mut self, beat: u64, assay: &mut JudgedAssay, zones: &mut JudgedZones) -> Vec<(usize, ElectrodeCell)> {
         zones.look(beat, &self.cells);
-        let there = self.there();
+        let there = self.parts_on_board();
         assay.settle(beat, &mut self.cells);
         zones.count(beat, &self.cells);
         there
     }
 
     /// Parts perform their operations, beat by beat.
-    fn operate(&mut self, nth: usize, asked: &'r [AssayOperation], findings: &mut Findings) -> Result<(), Halt> {
+    fn operate(&mut self, nth: usize, asked: &'r [AssayOperation], findings: &mut Findings) -> Result<(), ReplayStop> {
         let placed = self.placed(nth, asked, findings)?;
         let operations = placed.as_ref();
         let step = self.run.step(nth);
@@ -310,7 +310,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let mut reservoirs = self.reservoirs(nth)?;
         let before = self.cells.iter().flatten().count();
         let mut there = self.settle(0, &mut assay, &mut zones);
-        self.tread(nth, step.start_ns, operations, &assay, &there, findings);
+        self.check_traces(nth, step.start_ns, operations, &assay, &there, findings);
         if beats == 0 && self.cells.iter().flatten().count() < before {
             self.record(step.start_ns)?;
         }
@@ -329,16 +329,16 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 // A part that leaves the outlet at that instant is there together with the new droplet.
                 let leaves = there.iter().copied().filter(|(other, cell)| *other != part && *cell == outlet);
                 let both: Vec<_> = std::iter::once((part, outlet)).chain(leaves).collect();
-                self.tread(nth, at_ns, operations, &assay, &both, findings);
+                self.check_traces(nth, at_ns, operations, &assay, &both, findings);
             }
             let splits = self.pulled_apart(&assay, &switching.on);
             for split in &splits {
                 self.cells[split.half] = Some(split.at);
                 self.traces.iter_mut().for_each(|traces| traces.split(split.part, split.half));
             }
-            let unheld = self.unheld(nth, at_ns, beat, reservoirs.as_ref(), &switching.on)?;
-            let (stage, on) = (&assay.meetings, &switching.on);
-            let pulls = self.beat(&StepBeat { nth, at_ns, stage, on, splits: &splits, unheld: &unheld })?;
+            let released = self.released_at_outlet(nth, at_ns, beat, reservoirs.as_ref(), &switching.on)?;
+            let (goals, on) = (&assay.goals, &switching.on);
+            let pulls = self.beat(&StepBeat { nth, at_ns, goals, on, splits: &splits, released: &released })?;
             splits.iter().for_each(|split| assay.split(split, beat + 1));
             for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
                 self.cells[*part] = Some(pull.to);
@@ -349,11 +349,11 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             }
             there = self.settle(beat + 1, &mut assay, &mut zones);
             self.stays(nth, at_ns + step_ns, operations, &assay, &mut zones, findings);
-            self.tread(nth, at_ns + step_ns, operations, &assay, &there, findings);
+            self.check_traces(nth, at_ns + step_ns, operations, &assay, &there, findings);
         }
         self.beats = self.beats.saturating_add(beats);
         self.sum_of_costs = self.sum_of_costs.saturating_add(assay.cost());
-        findings.asked(Rule::Goal, operations.len());
+        findings.count_checks(Rule::Goal, operations.len());
         let missed = assay.missed(&self.cells);
         missed.iter().for_each(|missed| findings.push(self.not_done(nth, missed)));
         self.lags(nth, &assay, operations, findings);
@@ -362,7 +362,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let homes = assay.homes.iter().map(|(part, (home, _))| (*part, *home));
         self.returns(nth, homes, findings);
         if beats > 0 {
-            findings.asked(Rule::Idle, 1);
+            findings.count_checks(Rule::Idle, 1);
             if missed.is_empty() && assay.end() < beats {
                 findings.push(self.idle_assay(nth, assay.end()));
             }
@@ -437,7 +437,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// A step of parts lasts a whole number of beats.
     fn whole_beats(&self, nth: usize) -> Result<u64, Violation> {
         let (step, step_ns) = (self.run.step(nth), self.order.facts.step_ns);
-        self.run.tally.asked(Rule::Beat, 1);
+        self.run.tally.count_checks(Rule::Beat, 1);
         if step.duration_ns.is_multiple_of(step_ns) {
             return Ok(step.duration_ns / step_ns);
         }
@@ -469,7 +469,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         name: impl Fn() -> String,
     ) -> Result<SwitchPulse<E>, Violation> {
         let step = self.run.step(nth);
-        self.run.tally.asked(Rule::Beat, 1);
+        self.run.tally.count_checks(Rule::Beat, 1);
         let after_ns = part.start_ns - step.start_ns;
         if !after_ns.is_multiple_of(beat_ns) || !part.duration_ns.is_multiple_of(beat_ns) {
             let (from, to, beat) = (ms(part.start_ns), ms(part.end_ns()), ms(beat_ns));
@@ -485,7 +485,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     /// A step of parts ends with the last arrival.
     fn idle(&self, nth: usize, moved: u64, findings: &mut Findings) {
         let step = self.run.step(nth);
-        findings.asked(Rule::Idle, 1);
+        findings.count_checks(Rule::Idle, 1);
         if moved == 0 {
             let end_ns = step.end_ns();
             let from_ns = end_ns - self.order.facts.step_ns;
@@ -495,7 +495,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 
     /// Parts pass their stops in order and end at their goals.
-    fn goals(&self, nth: usize, stage: &JudgedStage, findings: &mut Findings) {
+    fn goals(&self, nth: usize, stage: &StepProgress, findings: &mut Findings) {
         let step = self.run.step(nth);
         let end_ns = step.end_ns();
         for (part, stop) in stage.empty(&self.cells) {
@@ -520,7 +520,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let step = self.run.step(nth);
         let end_ns = step.end_ns();
         for (part, home) in homes {
-            findings.asked(Rule::Bystander, 1);
+            findings.count_checks(Rule::Bystander, 1);
             let Some(end) = self.cells[part].filter(|cell| *cell != home) else { continue };
             let part = &self.order.parts[part];
             let title = format!("`{}` steps aside from {home} and ends at {end}, but must return", part.name);
@@ -536,7 +536,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 
     /// Checks the state at an instant against the record's next one.
-    fn record(&mut self, t_ns: u64) -> Result<(), Halt> {
+    fn record(&mut self, t_ns: u64) -> Result<(), ReplayStop> {
         let Some(recorded) = self.run.plan.states.get(self.states.len()) else {
             return Err(record::miscounted(self.run, self.due_states()).into());
         };
@@ -586,8 +586,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
 }
 
 /// Cell of each part at the start of a run: where the device's last run left it, or where the scene has it.
-fn start(run: &JudgedRun, order: &ElectrodeArrayOrder, standing: &Standing) -> Vec<Option<ElectrodeCell>> {
-    let stands = match standing.get(run.job.device.as_str()) {
+fn start(run: &JudgedRun, order: &ElectrodeArrayOrder, last_states: &LastStates) -> Vec<Option<ElectrodeCell>> {
+    let stands = match last_states.get(run.job.device.as_str()) {
         Some(State::ElectrodeArray(ElectrodeArrayState { parts })) => Some(parts),
         Some(State::Dimibot(_) | State::Microrobots(_) | State::Fingers(_)) | None => None,
     };

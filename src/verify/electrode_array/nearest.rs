@@ -20,13 +20,13 @@ impl JudgedBoard<'_, '_> {
             least if least < f64::from(farthest) => least as u32,
             _ => farthest,
         };
-        let ways: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
+        let paths: Vec<SweptCells> = pulls.iter().map(|(_, pull)| SweptCells::new(pull.from, pull.to)).collect();
         let apart = |one: usize, other: usize| self.apart(moment, [&pulls[one], &pulls[other]]);
         let mut within = least(Rule::Touch);
         // No accepted schedule has a distance below the needed one.
         let mut nearest = None;
         while within > needed(&self.order.facts) {
-            let Some(found) = first_touch(&ways, within, apart) else { break };
+            let Some(found) = first_touch(&paths, within, apart) else { break };
             (within, nearest) = (found.2, Some(found));
         }
         if let Some((one, other, _)) = nearest {
@@ -93,7 +93,7 @@ impl JudgedBoard<'_, '_> {
             between,
             apart: f64::from(cells[0].apart(cells[1])),
             needed: f64::from(due),
-            within: 0.0,
+            error_bound: 0.0,
             unit: GapUnit::Electrodes,
             t_ns: at_ns + after_ns,
             points: cells.map(|cell| [f64::from(cell.column), f64::from(cell.row), 0.0]),

@@ -1,6 +1,6 @@
 //! Places of operations that have alternatives: the record names the chosen one.
 
-use super::{Halt, JudgedBoard};
+use super::{JudgedBoard, ReplayStop};
 use crate::claims::electrode_array::AssayOperation;
 use crate::verify::rule::{Findings, Rule};
 use std::borrow::Cow;
@@ -12,11 +12,11 @@ impl JudgedBoard<'_, '_> {
         nth: usize,
         operations: &'o [AssayOperation],
         findings: &mut Findings,
-    ) -> Result<Cow<'o, [AssayOperation]>, Halt> {
+    ) -> Result<Cow<'o, [AssayOperation]>, ReplayStop> {
         let step = self.run.step(nth);
         let open = operations.iter().filter(|operation| !operation.among.is_empty()).count();
         let chosen = step.operations.iter().filter(|recorded| recorded.at.is_some()).count();
-        findings.asked(Rule::Choice, open.max(chosen));
+        findings.count_checks(Rule::Choice, open.max(chosen));
         let wrong = |title: String| self.run.violation(Rule::Choice, nth, step.start_ns, title);
         if open == 0 {
             return match step.operations.iter().find_map(|recorded| recorded.at) {

@@ -57,7 +57,7 @@ fn shifted(cell: ElectrodeCell, [columns, rows]: [i64; 2]) -> Option<ElectrodeCe
 }
 
 /// Motion of a part; `None` if it is pulled to no neighbour, or in several directions.
-pub(super) fn explained(on: &FxHashSet<ElectrodeCell>, electrodes: Electrodes, at: ElectrodeCell) -> Option<PartPull> {
+pub(super) fn pull_of(on: &FxHashSet<ElectrodeCell>, electrodes: Electrodes, at: ElectrodeCell) -> Option<PartPull> {
     let acting = acting(on, electrodes, at);
     match electrodes {
         Electrodes::Single => droplet(at, &acting),
@@ -137,7 +137,7 @@ mod tests {
         let at = ElectrodeCell::new(10, 10);
         let goes_to = |column: u32, row: u32| {
             let on = FxHashSet::from_iter([ElectrodeCell::new(column, row)]);
-            explained(&on, Electrodes::Single, at).map(|pull| (pull.to.column, pull.to.row))
+            pull_of(&on, Electrodes::Single, at).map(|pull| (pull.to.column, pull.to.row))
         };
         assert_eq!([goes_to(11, 10), goes_to(10, 9), goes_to(10, 10)], [Some((11, 10)), Some((10, 9)), Some((10, 10))]);
         assert_eq!([goes_to(11, 11), goes_to(9, 11), goes_to(9, 9)], [None; 3]);

@@ -14,7 +14,7 @@ use rustc_hash::FxHashSet;
 use std::collections::BTreeSet;
 
 /// A droplet that is being dispensed.
-struct Making<'o> {
+struct Dispensing<'o> {
     part: usize,
     sequence: &'o DispenseSequence,
     since: u64,
@@ -35,21 +35,21 @@ pub(super) struct JudgedReservoirs<'o> {
     pads: &'o ReservoirPads,
     switching: Switching<u32>,
     beat_ns: u64,
-    making: Vec<Making<'o>>,
+    dispensing: Vec<Dispensing<'o>>,
 }
 
 impl<'o> JudgedReservoirs<'o> {
     /// The reservoirs before the first beat.
     pub fn new(pads: &'o ReservoirPads, pulses: &[SwitchPulse<u32>], beat_ns: u64) -> JudgedReservoirs<'o> {
-        JudgedReservoirs { pads, switching: Switching::new(pulses), beat_ns, making: Vec::new() }
+        JudgedReservoirs { pads, switching: Switching::new(pulses), beat_ns, dispensing: Vec::new() }
     }
 
     /// Advances to a beat and drops the droplets that are finished by then.
     pub fn advance(&mut self, beat: u64) {
         self.switching.advance(beat);
         let (pads, beat_ns) = (self.pads, self.beat_ns);
-        let lasts = |making: &Making| pads.frame_ns.saturating_mul(making.sequence.frames.len() as u64);
-        self.making.retain(|making| (beat - making.since) * beat_ns < lasts(making));
+        let lasts = |dispensing: &Dispensing| pads.frame_ns.saturating_mul(dispensing.sequence.frames.len() as u64);
+        self.dispensing.retain(|dispensing| (beat - dispensing.since) * beat_ns < lasts(dispensing));
     }
 
     /// Whether the pads of the first frame at an outlet are on; `None` for an outlet without pads.
@@ -61,31 +61,31 @@ impl<'o> JudgedReservoirs<'o> {
     /// Starts the dispensing of a part at a beat.
     pub fn begin(&mut self, part: usize, outlet: ElectrodeCell, beat: u64) {
         let sequence = self.pads.at(outlet);
-        self.making.extend(sequence.map(|sequence| Making { part, sequence, since: beat }));
+        self.dispensing.extend(sequence.map(|sequence| Dispensing { part, sequence, since: beat }));
     }
 
     /// The frame of a droplet in a beat, with its number from 1.
-    fn frame(&self, making: &Making<'o>, beat: u64) -> Option<(u64, &'o DispenseFrame)> {
-        let passed = (beat - making.since) * self.beat_ns / self.pads.frame_ns;
-        Some((passed + 1, making.sequence.frames.get(usize::try_from(passed).ok()?)?))
+    fn frame(&self, dispensing: &Dispensing<'o>, beat: u64) -> Option<(u64, &'o DispenseFrame)> {
+        let passed = (beat - dispensing.since) * self.beat_ns / self.pads.frame_ns;
+        Some((passed + 1, dispensing.sequence.frames.get(usize::try_from(passed).ok()?)?))
     }
 
-    fn frames(&self, beat: u64) -> impl Iterator<Item = (&Making<'o>, u64, &'o DispenseFrame)> {
-        self.making.iter().filter_map(move |making| {
-            let (number, frame) = self.frame(making, beat)?;
-            Some((making, number, frame))
+    fn frames(&self, beat: u64) -> impl Iterator<Item = (&Dispensing<'o>, u64, &'o DispenseFrame)> {
+        self.dispensing.iter().filter_map(move |dispensing| {
+            let (number, frame) = self.frame(dispensing, beat)?;
+            Some((dispensing, number, frame))
         })
     }
 
     /// The parts whose electrode is off in a beat, as their frame demands.
-    pub fn unheld(&self, beat: u64) -> Vec<usize> {
-        self.frames(beat).filter(|(_, _, frame)| !frame.outlet).map(|(making, ..)| making.part).collect()
+    pub fn released_at_outlet(&self, beat: u64) -> Vec<usize> {
+        self.frames(beat).filter(|(_, _, frame)| !frame.outlet).map(|(dispensing, ..)| dispensing.part).collect()
     }
 
     /// The first fault of a beat, given the electrodes that are on in it.
     pub fn fault(&self, beat: u64, on: &FxHashSet<ElectrodeCell>) -> Option<PadFault> {
         let mut needed = BTreeSet::new();
-        for (Making { part, sequence, .. }, frame, due) in self.frames(beat) {
+        for (Dispensing { part, sequence, .. }, frame, due) in self.frames(beat) {
             let (part, outlet) = (*part, sequence.outlet);
             if let Some(pad) = due.pads.iter().find(|pad| !self.switching.on.contains(pad)) {
                 return Some(PadFault::Missing { pad: *pad, part, frame });
@@ -112,7 +112,7 @@ impl<'r> JudgedBoard<'r, '_> {
 
     /// Outside of assays no pad is on.
     pub(super) fn pads_rest(&self, nth: usize) -> Result<(), Violation> {
-        self.run.tally.asked(Rule::Reservoir, self.pads[nth].len());
+        self.run.tally.count_checks(Rule::Reservoir, self.pads[nth].len());
         match self.pads[nth].first() {
             Some((pad, part)) => Err(self.pad_fault(nth, part.start_ns, &PadFault::Needless(*pad))),
             None => Ok(()),
@@ -121,7 +121,7 @@ impl<'r> JudgedBoard<'r, '_> {
 
     /// The parts whose electrode is off in a beat, as their reservoir demands; or the violation if a pad or an outlet
     /// differs from the frames.
-    pub(super) fn unheld(
+    pub(super) fn released_at_outlet(
         &self,
         nth: usize,
         at_ns: u64,
@@ -130,10 +130,10 @@ impl<'r> JudgedBoard<'r, '_> {
         on: &FxHashSet<ElectrodeCell>,
     ) -> Result<Vec<usize>, Violation> {
         let Some(reservoirs) = reservoirs else { return Ok(Vec::new()) };
-        self.run.tally.asked(Rule::Reservoir, 1);
+        self.run.tally.count_checks(Rule::Reservoir, 1);
         match reservoirs.fault(beat, on) {
             Some(fault) => Err(self.pad_fault(nth, at_ns, &fault)),
-            None => Ok(reservoirs.unheld(beat)),
+            None => Ok(reservoirs.released_at_outlet(beat)),
         }
     }
 

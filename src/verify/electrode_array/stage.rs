@@ -7,21 +7,21 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The parts with a goal, and the pairs of parts that are about to merge.
 #[derive(Debug, Default)]
-pub(super) struct Meetings {
-    asked: BTreeSet<usize>,
+pub(super) struct StepGoals {
+    with_goal: BTreeSet<usize>,
     /// For each part that is to merge, the other part and the goal; no entry once one of them is gone.
     pub pairs: BTreeMap<usize, (usize, ElectrodeCell)>,
 }
 
-impl Meetings {
+impl StepGoals {
     /// Parts with goals, and no pairs.
-    pub fn new(asked: impl Iterator<Item = usize>) -> Meetings {
-        Meetings { asked: asked.collect(), pairs: BTreeMap::new() }
+    pub fn new(with_goal: impl Iterator<Item = usize>) -> StepGoals {
+        StepGoals { with_goal: with_goal.collect(), pairs: BTreeMap::new() }
     }
 
     /// Whether a part has a goal in this step.
-    pub fn is_asked(&self, part: usize) -> bool {
-        self.asked.contains(&part)
+    pub fn has_goal(&self, part: usize) -> bool {
+        self.with_goal.contains(&part)
     }
 
     /// The part that a part merges with, and the goal.
@@ -32,11 +32,11 @@ impl Meetings {
 
 /// A step of parts in progress; by default one without goals.
 #[derive(Debug, Default)]
-pub(super) struct JudgedStage<'o> {
+pub(super) struct StepProgress<'o> {
     moves: &'o [ElectrodeArrayMove],
     /// Index into `moves` for each part that has a goal.
     of: BTreeMap<usize, usize>,
-    pub meetings: Meetings,
+    pub goals: StepGoals,
     /// Number of stops reached, by move.
     turns: Vec<usize>,
     /// Original cells of the parts without a goal that have moved.
@@ -45,17 +45,17 @@ pub(super) struct JudgedStage<'o> {
     arrivals: BTreeMap<usize, u64>,
 }
 
-impl<'o> JudgedStage<'o> {
+impl<'o> StepProgress<'o> {
     /// The step before its first beat.
-    pub fn new(moves: &'o [ElectrodeArrayMove], cells: &[Option<ElectrodeCell>]) -> JudgedStage<'o> {
-        let mut stage = JudgedStage { moves, turns: vec![0; moves.len()], ..JudgedStage::default() };
+    pub fn new(moves: &'o [ElectrodeArrayMove], cells: &[Option<ElectrodeCell>]) -> StepProgress<'o> {
+        let mut stage = StepProgress { moves, turns: vec![0; moves.len()], ..StepProgress::default() };
         for (index, action) in moves.iter().enumerate() {
             let both = std::iter::once(action.part).chain(action.with);
             stage.of.extend(both.clone().map(|part| (part, index)));
-            stage.meetings.asked.extend(both);
+            stage.goals.with_goal.extend(both);
             if let Some(with) = action.with.filter(|with| cells[*with].is_some() && cells[action.part].is_some()) {
                 let goal = action.goal().cell;
-                stage.meetings.pairs.extend([(action.part, (with, goal)), (with, (action.part, goal))]);
+                stage.goals.pairs.extend([(action.part, (with, goal)), (with, (action.part, goal))]);
             }
             if let Some(cell) = cells[action.part].filter(|_| action.team.is_none()) {
                 stage.pass(index, cell);

@@ -65,7 +65,7 @@ impl<'c> JudgedTraces<'c> {
     }
 
     /// Parts rest on cells: reports contaminations, then leaves or washes off traces.
-    fn touch(&mut self, there: impl Iterator<Item = (usize, ElectrodeCell)>) -> Vec<Contaminated<'c>> {
+    fn visit(&mut self, there: impl Iterator<Item = (usize, ElectrodeCell)>) -> Vec<Contaminated<'c>> {
         let mut found = Vec::new();
         for (part, cell) in there {
             let own = &self.fluids[part];
@@ -86,13 +86,13 @@ impl<'c> JudgedTraces<'c> {
 
 impl JudgedBoard<'_, '_> {
     /// The parts on the board with their cells; empty if traces do not matter.
-    pub(super) fn there(&self) -> Vec<(usize, ElectrodeCell)> {
+    pub(super) fn parts_on_board(&self) -> Vec<(usize, ElectrodeCell)> {
         let there = || self.cells.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?)));
         self.traces.iter().flat_map(|_| there()).collect()
     }
 
     /// Checks the parts on their cells at an instant for contamination, with the merges done by then.
-    pub(super) fn tread(
+    pub(super) fn check_traces(
         &mut self,
         nth: usize,
         at_ns: u64,
@@ -103,8 +103,8 @@ impl JudgedBoard<'_, '_> {
     ) {
         let Some(traces) = &mut self.traces else { return };
         traces.merge(operations, |place| assay.beats[place].is_some());
-        findings.asked(Rule::Trace, there.len());
-        for Contaminated { part, cell, avoided } in traces.touch(there.iter().copied()) {
+        findings.count_checks(Rule::Trace, there.len());
+        for Contaminated { part, cell, avoided } in traces.visit(there.iter().copied()) {
             let (name, at) = (&self.order.parts[part].name, ms(at_ns));
             let title = format!("`{name}` enters {cell} at {at}, where traces of `{}` remain", avoided.of);
             findings.push(self.run.violation(Rule::Trace, nth, at_ns, title).label(avoided.span, "avoided here"));

@@ -80,7 +80,7 @@ impl JudgedBoard<'_, '_> {
             let Some((operation, zone)) = due.front().and_then(|place| in_zone(operations, *place)) else { continue };
             let Some(beats) = due.front().and_then(|place| assay.beats[*place]) else { continue };
             due.pop_front();
-            findings.asked(Rule::Zone, 1);
+            findings.count_checks(Rule::Zone, 1);
             let needed = operation.stay_ns.div_ceil(step_ns);
             let since = within.get(&zone).and_then(|within| within.get(part));
             let stayed = since.map_or(0, |since| beats.done.saturating_sub(*since));

@@ -3,7 +3,7 @@
 //! Input: an order. Output: nothing, or the reason why no run can be checked against it. Claims of the checker always
 //! pass.
 
-use super::super::Unfit;
+use super::super::InvalidClaims;
 use super::body::Surface;
 use super::hand::nominal_step_rad;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn, Section};
@@ -38,7 +38,7 @@ const MIN_CONTACTS: u32 = 3;
 ///
 /// # Errors
 /// If no schedule can be checked against the claims.
-pub(super) fn check_claims(order: &FingersOrder) -> Result<(), Unfit> {
+pub(super) fn check_claims(order: &FingersOrder) -> Result<(), InvalidClaims> {
     facts(&order.facts)?;
     let part = &order.part;
     let places = [part.centre_um, part.position_um, order.load_un];
@@ -49,15 +49,15 @@ pub(super) fn check_claims(order: &FingersOrder) -> Result<(), Unfit> {
     order.steps.iter().try_for_each(|step| action(order, &step.action))
 }
 
-fn demand(holds: bool, why: &str) -> Result<(), Unfit> {
-    if holds { Ok(()) } else { Err(Unfit(format!("the claims of a hand {why}"))) }
+fn demand(holds: bool, why: &str) -> Result<(), InvalidClaims> {
+    if holds { Ok(()) } else { Err(InvalidClaims(format!("the claims of a hand {why}"))) }
 }
 
 fn is_number(value: f64) -> bool {
     value.abs() <= MAX_NUMBER
 }
 
-fn facts(facts: &FingersFacts) -> Result<(), Unfit> {
+fn facts(facts: &FingersFacts) -> Result<(), InvalidClaims> {
     demand((MIN_FINGERS..=MAX_FINGERS).contains(&facts.fingers), "have too few or too many fingers")?;
     demand((1..=MAX_STEPS_PER_TURN).contains(&facts.steps_per_turn), "have too few or too many steps per turn")?;
     let [x_um, y_um, z_um] = facts.range_um;
@@ -75,7 +75,7 @@ fn facts(facts: &FingersFacts) -> Result<(), Unfit> {
     demand((0.0..=MAX_RESERVE).contains(&facts.rolling_reserve), "have a reserve out of range")
 }
 
-fn section(section: &Section, facts: &FingersFacts) -> Result<(), Unfit> {
+fn section(section: &Section, facts: &FingersFacts) -> Result<(), InvalidClaims> {
     let contacts = section.contacts;
     demand((MIN_CONTACTS..=MAX_CONTACTS).contains(&contacts), "have too few or too many contacts")?;
     let step_rad = section.step_rad;
@@ -98,7 +98,7 @@ fn section(section: &Section, facts: &FingersFacts) -> Result<(), Unfit> {
     demand(exact_rad.is_some_and(|rad| off_um(rad) <= most_um), "have an opposite contact off the x axis")
 }
 
-fn action(order: &FingersOrder, action: &FingersAction) -> Result<(), Unfit> {
+fn action(order: &FingersOrder, action: &FingersAction) -> Result<(), InvalidClaims> {
     match action {
         FingersAction::Grasp(None) | FingersAction::Release | FingersAction::Wait(_) => Ok(()),
         FingersAction::Grasp(Some(contacts)) => grasp(order, contacts),
@@ -117,11 +117,11 @@ fn action(order: &FingersOrder, action: &FingersAction) -> Result<(), Unfit> {
     }
 }
 
-fn has_plane(order: &FingersOrder, plane: Plane) -> Result<(), Unfit> {
+fn has_plane(order: &FingersOrder, plane: Plane) -> Result<(), InvalidClaims> {
     demand(order.part.section(plane).is_some(), "turn in a plane where the part has no outline")
 }
 
-fn grasp(order: &FingersOrder, contacts: &[u32]) -> Result<(), Unfit> {
+fn grasp(order: &FingersOrder, contacts: &[u32]) -> Result<(), InvalidClaims> {
     demand(
         contacts.len() == order.facts.fingers as usize,
         "list the contacts of a grasp for another number of fingers",

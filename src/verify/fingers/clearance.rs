@@ -89,9 +89,9 @@ impl Flight {
         let length_um = (stretch.to_um[finger] - stretch.from_um[finger]).norm();
         let (clear_um, tolerance_um) = (clear_um(facts), facts.tolerance_um);
         let hard_um = facts.tip_radius_um - tolerance_um;
-        let mut way_um = 0.0;
+        let mut path_um = 0.0;
         for _ in 0..MAX_STRIDES {
-            let share = if length_um > 0.0 { (way_um / length_um).min(1.0) } else { 1.0 };
+            let share = if length_um > 0.0 { (path_um / length_um).min(1.0) } else { 1.0 };
             let tip_um = stretch.tip_um(finger, share);
             let time_ns = stretch.instant_ns(share);
             let enough_um = clear_um + length_um;
@@ -108,7 +108,7 @@ impl Flight {
             if share >= 1.0 {
                 return Ok(());
             }
-            way_um += spare_um.max(STRIDE * tolerance_um);
+            path_um += spare_um.max(STRIDE * tolerance_um);
         }
         let (time_ns, distance_um) = (stretch.start_ns, facts.tip_radius_um);
         Err(TipHit { time_ns, distance_um, due_um: clear_um })

@@ -13,7 +13,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 const ROUNDING: f64 = 1e-6;
 
 /// Tolerance between a recorded turn and the turn in the replay, in degrees.
-const TOLD_DEG: f64 = 0.01;
+const REPORTED_TURN_DEG: f64 = 0.01;
 
 /// Greatest turn of a part that should not turn, as a fraction of a step of rotation.
 const STEADY: f64 = 1e-3;
@@ -32,14 +32,14 @@ impl JudgedHand<'_, '_> {
             FingersAction::Wait(duration_ns) => return self.run.wait_lasts(nth, *duration_ns, findings),
         };
         let by_um = match &self.order.steps[nth].action {
-            FingersAction::Translate(_) => return self.tell(fault, nth, findings),
+            FingersAction::Translate(_) => return self.report(fault, nth, findings),
             FingersAction::Grasp(_)
             | FingersAction::Rotate { .. }
             | FingersAction::Orient { .. }
             | FingersAction::Release
             | FingersAction::Wait(_) => Point::zeros(),
         };
-        self.tell(fault.or_else(|| self.place_fault(by_um)), nth, findings);
+        self.report(fault.or_else(|| self.place_fault(by_um)), nth, findings);
         self.check_reported_turn(nth, findings);
     }
 
@@ -49,8 +49,8 @@ impl JudgedHand<'_, '_> {
         let turned_deg = self.since.turn_rad(*plane).to_degrees();
         for reached in &self.run.step(nth).reached {
             let Reached::Turn { reached_deg, .. } = reached else { continue };
-            findings.asked(Rule::Figure, 1);
-            if (reached_deg - turned_deg).abs() > TOLD_DEG {
+            findings.count_checks(Rule::Figure, 1);
+            if (reached_deg - turned_deg).abs() > REPORTED_TURN_DEG {
                 let title =
                     format!("a turn is recorded as {reached_deg} deg, but the tips turn the part by {turned_deg} deg");
                 findings.push(self.run.violation(Rule::Figure, nth, self.end_ns(nth), title));
@@ -58,8 +58,8 @@ impl JudgedHand<'_, '_> {
         }
     }
 
-    fn tell(&self, fault: Option<String>, nth: usize, findings: &mut Findings) {
-        findings.asked(Rule::Goal, 1);
+    fn report(&self, fault: Option<String>, nth: usize, findings: &mut Findings) {
+        findings.count_checks(Rule::Goal, 1);
         if let Some(title) = fault {
             findings.push(self.run.violation(Rule::Goal, nth, self.end_ns(nth), title));
         }

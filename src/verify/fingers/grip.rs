@@ -170,7 +170,7 @@ impl JudgedGrip {
         let (sin, cos) = self.turn_rad().sine_cosine();
         let (x_um, y_um) = (x_um - self.shift_um.x, y_um - self.shift_um.y);
         let tip_um = [cos * x_um + sin * y_um, cos * y_um - sin * x_um];
-        let foot = surface.contour.foot_near(tip_um, hold.foot.way_um)?;
+        let foot = surface.contour.foot_near(tip_um, hold.foot.arc_length_um)?;
         let (normal_y, normal_x) = foot.normal_rad.sine_cosine();
         // Derivatives of the tip's position in the part's coordinates with respect to the shift along each axis and
         // the turn.

@@ -7,11 +7,11 @@
 use super::super::clock::JudgedRun;
 use super::super::evidence::{Clearance, GapUnit};
 use super::super::rule::{Findings, Rule, Violation, ms};
-use super::super::{Halt, Unfit};
+use super::super::{InvalidClaims, ReplayStop};
 use super::body::{ObjectPose, PartOutlines, Surface};
 use super::clearance::{self, Flight, TipHit};
 use super::grip::JudgedGrip;
-use super::pace::Pace;
+use super::speed::TipPath;
 use super::states::{Due, Spans, chosen};
 use super::statics::{ContactPoint, Statics, pull_off_un};
 use super::track::{Stretch, Tracks};
@@ -62,9 +62,9 @@ pub(super) struct JudgedHand<'r, 'a> {
     pub(super) since: Since,
     pub(super) tips_um: Vec<Point>,
     pub(super) flights: Vec<Flight>,
-    pub(super) paces: Vec<Pace>,
+    pub(super) tip_paths: Vec<TipPath>,
     /// The last step for which a tip was reported as too fast.
-    pub(super) hurried: Option<usize>,
+    pub(super) last_speed_violation: Option<usize>,
     held: Held,
     reported: ReportedGrip,
     /// Turn of the grip at the start of the step or at the last change of plane, and the contact steps turned since.
@@ -86,10 +86,11 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         order: &'r FingersOrder,
         tracks: &Tracks,
         left: Option<&State>,
-    ) -> Result<Self, Halt> {
+    ) -> Result<Self, ReplayStop> {
         let facts = &order.facts;
         let body = PartOutlines::of(&order.part, facts.tip_radius_um);
-        let body = body.ok_or_else(|| Unfit("the claims have an outline that cannot be followed".to_owned()))?;
+        let body =
+            body.ok_or_else(|| InvalidClaims("the claims have an outline that cannot be followed".to_owned()))?;
         let tips_um = tracks.start_um();
         let start = ObjectPose { position_um: Point::from(order.part.position_um), orientation: Default::default() };
         let plane = planes_after(order, 0).first().copied().unwrap_or(Plane::Xy);
@@ -114,8 +115,8 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             body,
             grip,
             flights: vec![Flight::default(); tips_um.len()],
-            paces: vec![Pace::default(); tips_um.len()],
-            hurried: None,
+            tip_paths: vec![TipPath::default(); tips_um.len()],
+            last_speed_violation: None,
             tips_um,
             held,
             reported: ReportedGrip::Nothing,
@@ -137,7 +138,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         matches!(self.order.steps[nth].action, FingersAction::Release)
     }
 
-    pub(super) fn surface(&self) -> Result<&Surface, Halt> {
+    pub(super) fn surface(&self) -> Result<&Surface, ReplayStop> {
         surface_of(&self.body, self.grip.plane)
     }
 
@@ -154,10 +155,10 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             return;
         }
         let pose = self.grip.pose();
-        findings.asked(Rule::Pierce, self.tips_um.len());
+        findings.count_checks(Rule::Pierce, self.tips_um.len());
         for finger in 0..self.tips_um.len() {
             if let Some(hit) = self.strays(finger, &pose, start_ns, &self.tips_um) {
-                let title = self.pierce(finger, &hit);
+                let title = self.near_part_message(finger, &hit);
                 findings
                     .push(Violation::new(Rule::Pierce, start_ns, title).label(self.run.job.run_span, "in this run"));
             }
@@ -170,7 +171,11 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
                 let (apart_um, _) = clearance::least_um(&still, one, other);
                 self.note_apart(&still, [one, other], apart_um, 0.0);
                 if apart_um < due_um {
-                    findings.push(Violation::new(Rule::Apart, start_ns, self.apart([one, other], apart_um, start_ns)));
+                    findings.push(Violation::new(
+                        Rule::Apart,
+                        start_ns,
+                        self.near_tips_message([one, other], apart_um, start_ns),
+                    ));
                 }
             }
         }
@@ -201,7 +206,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             if let Some((time_ns, _)) = self.flights[finger].near.take() {
                 let due_um = clearance::clear_um(&self.order.facts);
                 let hit = TipHit { time_ns, distance_um: self.order.facts.tip_radius_um, due_um };
-                let title = self.pierce(finger, &hit);
+                let title = self.near_part_message(finger, &hit);
                 findings.push(self.run.violation(Rule::Pierce, nth, time_ns, title));
             }
         }
@@ -211,18 +216,23 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     /// Ends the run.
     pub fn finish(&mut self, findings: &mut Findings) {
         if let Some(last) = self.order.steps.len().checked_sub(1) {
-            self.settle_paces(last, findings);
+            self.settle_tip_paths(last, findings);
         }
     }
 
     /// Replays one stretch.
-    pub fn follow(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
+    pub fn follow(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), ReplayStop> {
         let due_um = clearance::apart_um(&self.order.facts) - self.order.facts.tolerance_um;
         let nearest = clearance::nearest(stretch)
             .inspect(|(pair, apart_um, share)| self.note_apart(stretch, *pair, *apart_um, *share));
         if let Some((pair, apart_um, share)) = nearest.filter(|near| near.1 < due_um) {
             let time_ns = stretch.instant_ns(share);
-            findings.push(self.run.violation(Rule::Apart, nth, time_ns, self.apart(pair, apart_um, time_ns)));
+            findings.push(self.run.violation(
+                Rule::Apart,
+                nth,
+                time_ns,
+                self.near_tips_message(pair, apart_um, time_ns),
+            ));
         }
         if matches!(self.order.steps[nth].action, FingersAction::Wait(_)) {
             self.check_still(nth, stretch)?;
@@ -240,7 +250,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     /// Records the distance between two tips if it is less than all before.
     fn note_apart(&self, stretch: &Stretch, pair: [usize; 2], apart_um: f64, share: f64) {
         let JudgedHand { run, order, .. } = self;
-        run.tally.asked(Rule::Apart, 1);
+        run.tally.count_checks(Rule::Apart, 1);
         let radius_um = order.facts.tip_radius_um;
         let [one, other] = pair.map(|finger| stretch.tip_um(finger, share));
         let way = (other - one).try_normalize(0.0).unwrap_or_default() * radius_um;
@@ -250,15 +260,15 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
             between: pair.map(|finger| format!("finger {}", finger + 1)),
             apart: apart_um - 2.0 * radius_um,
             needed: order.facts.clearance_um,
-            within: 0.0,
+            error_bound: 0.0,
             unit: GapUnit::Micrometres,
             t_ns: stretch.instant_ns(share),
             points: [(one + way).into(), (other - way).into()],
         });
     }
 
-    fn check_still(&self, nth: usize, stretch: &Stretch) -> Result<(), Halt> {
-        self.run.tally.asked(Rule::Wait, 1);
+    fn check_still(&self, nth: usize, stretch: &Stretch) -> Result<(), ReplayStop> {
+        self.run.tally.count_checks(Rule::Wait, 1);
         let Some(finger) = (0..stretch.from_um.len()).find(|finger| !stretch.rests(*finger)) else { return Ok(()) };
         let title = format!("finger {} moves during a wait, at {}", finger + 1, ms(stretch.start_ns));
         Err(self.run.violation(Rule::Wait, nth, stretch.start_ns, title).into())
@@ -298,7 +308,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
 
     /// The holding fingers are in equilibrium.
     pub(super) fn check_hold(&mut self, nth: usize, time_ns: u64, findings: &mut Findings) {
-        findings.asked(Rule::Equilibrium, 1);
+        findings.count_checks(Rule::Equilibrium, 1);
         let touches: Vec<ContactPoint> = self.touches().into_iter().map(|(_, touch)| touch).collect();
         if self.reported == ReportedGrip::Weak || self.statics().holds(&touches) {
             return;
@@ -308,7 +318,13 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         findings.push(self.run.violation(Rule::Equilibrium, nth, time_ns, title));
     }
 
-    fn remove(&mut self, nth: usize, finger: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
+    fn remove(
+        &mut self,
+        nth: usize,
+        finger: usize,
+        stretch: &Stretch,
+        findings: &mut Findings,
+    ) -> Result<(), ReplayStop> {
         let time_ns = stretch.start_ns;
         if !self.is_release(nth) && self.grip.holds.len() >= 2 {
             self.take_load(nth, time_ns, findings);
@@ -318,12 +334,12 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         self.check_contacts(nth, time_ns, findings);
         self.grip.remove(finger);
         self.flights[finger] = Flight::from(stretch.from_um[finger]);
-        self.paces[finger] = Pace::from(stretch.from_um[finger]);
+        self.tip_paths[finger] = TipPath::from(stretch.from_um[finger]);
         self.reported = ReportedGrip::Nothing;
         if self.is_release(nth) || self.held == Held::Supported {
             return self.let_go(nth, stretch, findings);
         }
-        findings.asked(Rule::Contact, 1);
+        findings.count_checks(Rule::Contact, 1);
         if self.grip.holds.len() < 2 {
             let title = format!("finger {} leaves the part to one finger at {}", finger + 1, ms(time_ns));
             return Err(self.run.violation(Rule::Contact, nth, time_ns, title).into());
@@ -343,7 +359,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     }
 
     fn check_removal(&self, nth: usize, finger: usize, leaving: &ContactPoint, time_ns: u64, findings: &mut Findings) {
-        findings.asked(Rule::Removal, 1);
+        findings.count_checks(Rule::Removal, 1);
         let touches: Vec<ContactPoint> = self.touches().into_iter().map(|(_, touch)| touch).collect();
         if !self.statics().resists(&touches, leaving) {
             let facts = &self.order.facts;
@@ -359,10 +375,10 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     }
 
     /// A finger leaves a part that rests on its support.
-    fn let_go(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
+    fn let_go(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), ReplayStop> {
         let facts = &self.order.facts;
         let pull_un = pull_off_un(facts) * facts.removal_safety;
-        findings.asked(Rule::Support, 1);
+        findings.count_checks(Rule::Support, 1);
         let is_enough = pull_un <= facts.support_un * (1.0 + super::statics::TOLERANCE);
         if !is_enough && self.reported == ReportedGrip::Nothing {
             self.reported = ReportedGrip::Weak;
@@ -378,20 +394,20 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     }
 
     /// Free fingers move past a resting part and may touch it at the end of the stretch.
-    fn rest(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
+    fn rest(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), ReplayStop> {
         let (pose, order) = (self.grip.pose(), self.order);
         for finger in 0..self.flights.len() {
             if self.grip.has(finger) || stretch.rests(finger) {
                 continue;
             }
-            findings.asked(Rule::Pierce, 1);
+            findings.count_checks(Rule::Pierce, 1);
             let followed = self.flights[finger].follow(stretch, finger, &self.body, &pose, &order.facts);
-            let kept = self.paces[finger].follow(stretch, finger, &order.facts);
-            self.tell_pace(nth, finger, kept, findings);
+            let kept = self.tip_paths[finger].follow(stretch, finger, &order.facts);
+            self.report_speed(nth, finger, kept, findings);
             let touched = self.touched(nth, &stretch.to_um[finger], &stretch.to_um);
             if let Err(hit) = followed {
                 self.flights[finger] = Flight::default();
-                findings.push(self.run.violation(Rule::Pierce, nth, hit.time_ns, self.pierce(finger, &hit)));
+                findings.push(self.run.violation(Rule::Pierce, nth, hit.time_ns, self.near_part_message(finger, &hit)));
             }
             if let Some(plane) = touched {
                 self.place(nth, finger, plane, stretch, findings)?;
@@ -426,9 +442,9 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         plane: Plane,
         stretch: &Stretch,
         findings: &mut Findings,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), ReplayStop> {
         let time_ns = stretch.end_ns;
-        findings.asked(Rule::Contact, 1);
+        findings.count_checks(Rule::Contact, 1);
         if self.grip.holds.len() == MAX_HOLDING {
             let title =
                 format!("finger {} touches the part at {} while {MAX_HOLDING} others hold it", finger + 1, ms(time_ns));
@@ -440,11 +456,11 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
         }
         let tip_um = stretch.to_um[finger];
         if let Err(hit) = self.flights[finger].lands(&tip_um, &self.order.facts) {
-            findings.push(self.run.violation(Rule::Pierce, nth, hit.time_ns, self.pierce(finger, &hit)));
+            findings.push(self.run.violation(Rule::Pierce, nth, hit.time_ns, self.near_part_message(finger, &hit)));
         }
         self.flights[finger] = Flight::default();
-        let kept = self.paces[finger].lands(&tip_um, &self.order.facts);
-        self.tell_pace(nth, finger, kept, findings);
+        let kept = self.tip_paths[finger].lands(&tip_um, &self.order.facts);
+        self.report_speed(nth, finger, kept, findings);
         let surface = surface_of(&self.body, plane)?;
         self.grip.add(surface, finger, &tip_um);
         self.check_contacts(nth, time_ns, findings);
@@ -462,16 +478,16 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     }
 
     /// Switches the grip to another plane with the same fingers; a new turn begins.
-    pub(super) fn change_plane(&mut self, plane: Plane, tips_um: &[Point]) -> Result<(), Halt> {
+    pub(super) fn change_plane(&mut self, plane: Plane, tips_um: &[Point]) -> Result<(), ReplayStop> {
         let grip = self.grip.anew(plane, &self.body, tips_um);
-        self.grip = grip.ok_or_else(|| Unfit("the claims have no outline in a plane of a turn".to_owned()))?;
+        self.grip = grip.ok_or_else(|| InvalidClaims("the claims have no outline in a plane of a turn".to_owned()))?;
         (self.leg_rad, self.leg_steps, self.before_steps) = (0.0, 0, 0);
         Ok(())
     }
 
     /// Fingers come and leave only while all holding fingers are on numbered contacts.
     fn check_contacts(&self, nth: usize, time_ns: u64, findings: &mut Findings) {
-        findings.asked(Rule::Contact, self.grip.holds.len());
+        findings.count_checks(Rule::Contact, self.grip.holds.len());
         let Some(surface) = self.body.surface(self.grip.plane) else { return };
         for hold in &self.grip.holds {
             let (contact, off_um) = surface.contact(&hold.foot);
@@ -531,9 +547,9 @@ pub(super) fn nominal_step_rad(facts: &FingersFacts) -> f64 {
     TAU / f64::from(facts.steps_per_turn)
 }
 
-fn surface_of(body: &PartOutlines, plane: Plane) -> Result<&Surface, Halt> {
+fn surface_of(body: &PartOutlines, plane: Plane) -> Result<&Surface, ReplayStop> {
     let surface = body.surface(plane);
-    surface.ok_or_else(|| Unfit("the claims have no outline in a plane of a turn".to_owned()).into())
+    surface.ok_or_else(|| InvalidClaims("the claims have no outline in a plane of a turn".to_owned()).into())
 }
 
 /// The planes in which the contacts of a grasp may be numbered: those of the next turn, or of the last one if none

@@ -3,7 +3,7 @@
 //! Input: a run whose steps and channels are sound. Output: its states and the outcomes. `track` assembles the axes;
 //! `body` gives distances to the part's outlines; `grip` solves for the pose in which all holding tips touch and roll;
 //! `hand` follows stretch by stretch which tips hold, come and leave; `statics` decides by linear programs whether
-//! they hold the part; `clearance` checks distances of tips, and `pace` their speeds; `goals` checks each step against
+//! they hold the part; `clearance` checks distances of tips, and `speed` their speeds; `goals` checks each step against
 //! the task, and `states` the changes against the record. Promise: the record is read only for comparison; the first
 //! motion that does not roll ends the replay of its device. Equilibrium is checked after each finger that comes or
 //! leaves. While tips roll, it is checked at both ends and the middle of each stretch, and between them often enough
@@ -16,17 +16,17 @@ mod clearance;
 mod goals;
 mod grip;
 mod hand;
-mod pace;
+mod messages;
 mod roll;
+mod speed;
 mod states;
 mod statics;
-mod tell;
 mod track;
 
 use super::clock::JudgedRun;
 use super::geometry::contour::Foot;
 use super::rule::Findings;
-use super::{Halt, Judge, JudgedState, RecordTerms, Replay, Standing, Unfit};
+use super::{InvalidClaims, Judge, JudgedState, LastStates, RecordTerms, Replay, ReplayStop};
 use crate::claims::fingers::FingersOrder;
 use crate::claims::{Claims, Order};
 use crate::device::fingers::{FingersObjective, FingersOutcome, finger_axis};
@@ -55,7 +55,7 @@ impl Judge for FingersOrder {
         (finger < self.facts.fingers as usize).then_some(ChannelUnit::Micrometre)
     }
 
-    fn premise(&self) -> Result<(), Unfit> {
+    fn premise(&self) -> Result<(), InvalidClaims> {
         claims::check_claims(self)
     }
 
@@ -89,10 +89,10 @@ impl Judge for FingersOrder {
         &self,
         run: &JudgedRun<'a>,
         _claims: &Claims,
-        standing: &mut Standing<'a>,
+        last_states: &mut LastStates<'a>,
         findings: &mut Findings,
-    ) -> Result<Replay<'a>, Halt> {
-        let left = standing.get(run.job.device.as_str());
+    ) -> Result<Replay<'a>, ReplayStop> {
+        let left = last_states.get(run.job.device.as_str());
         let tracks = track::Tracks::of(run, self)?;
         let mut hand = hand::JudgedHand::new(run, self, &tracks, left)?;
         hand.begin(findings);
@@ -108,7 +108,7 @@ impl Judge for FingersOrder {
             hand.finish_step(nth, findings);
         }
         hand.finish(findings);
-        standing.insert(&run.job.device, hand.left());
+        last_states.insert(&run.job.device, hand.left());
         let outcomes = hand.outcomes();
         Ok(Replay { states: hand.into_states(), outcomes, operations: std::collections::BTreeMap::new() })
     }

@@ -3,13 +3,13 @@
 //! The plane of rolling follows from the motion: if all holding tips touch both sections, it is the one that fits
 //! better.
 
-use super::super::Halt;
+use super::super::ReplayStop;
 use super::super::rule::{Findings, Rule, ms};
 use super::Point;
 use super::clearance::Flight;
 use super::grip::RollingMisfit;
 use super::hand::{JudgedHand, nominal_step_rad};
-use super::pace::Pace;
+use super::speed::TipPath;
 use super::states::Due;
 use super::track::Stretch;
 use crate::claims::fingers::FingersAction;
@@ -30,9 +30,9 @@ const GRID_STEPS: f64 = 1e-3;
 
 impl JudgedHand<'_, '_> {
     /// Moves holding tips along a stretch, and the part with them.
-    pub(super) fn carry(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), Halt> {
+    pub(super) fn carry(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) -> Result<(), ReplayStop> {
         let time_ns = stretch.start_ns;
-        findings.asked(Rule::Slip, 1);
+        findings.count_checks(Rule::Slip, 1);
         if self.grip.holds.len() < 2 {
             let finger = self.grip.holds.first().map_or(0, |hold| hold.finger);
             let title = format!("finger {} alone moves along the part at {}", finger + 1, ms(time_ns));
@@ -117,11 +117,11 @@ impl JudgedHand<'_, '_> {
     }
 
     /// Moves the part to a fraction of a stretch and checks all rules there.
-    fn sample(&mut self, nth: usize, stretch: &Stretch, share: f64, findings: &mut Findings) -> Result<(), Halt> {
+    fn sample(&mut self, nth: usize, stretch: &Stretch, share: f64, findings: &mut Findings) -> Result<(), ReplayStop> {
         let (tips_um, time_ns) = (tips_at(stretch, share), stretch.instant_ns(share));
-        findings.asked(Rule::Gap, self.grip.holds.len());
-        findings.asked(Rule::Slip, self.grip.holds.len());
-        findings.asked(Rule::Pierce, tips_um.len());
+        findings.count_checks(Rule::Gap, self.grip.holds.len());
+        findings.count_checks(Rule::Slip, self.grip.holds.len());
+        findings.count_checks(Rule::Pierce, tips_um.len());
         let moved = self.grip.follow(self.surface()?, &tips_um);
         let Some((grip, misfit)) = moved else {
             let title = format!("no motion of the part fits the tips of {} at {}", self.holding(), ms(time_ns));
@@ -133,13 +133,16 @@ impl JudgedHand<'_, '_> {
         let pose = self.grip.pose();
         for finger in 0..tips_um.len() {
             if let Some(hit) = self.strays(finger, &pose, time_ns, &tips_um) {
-                return Err(self.run.violation(Rule::Pierce, nth, time_ns, self.pierce(finger, &hit)).into());
+                return Err(self
+                    .run
+                    .violation(Rule::Pierce, nth, time_ns, self.near_part_message(finger, &hit))
+                    .into());
             }
         }
         Ok(())
     }
 
-    fn check_misfit(&self, nth: usize, time_ns: u64, misfit: &RollingMisfit) -> Result<(), Halt> {
+    fn check_misfit(&self, nth: usize, time_ns: u64, misfit: &RollingMisfit) -> Result<(), ReplayStop> {
         let tolerance_um = self.order.facts.tolerance_um;
         if misfit.most_um() <= tolerance_um {
             return Ok(());
@@ -161,7 +164,7 @@ impl JudgedHand<'_, '_> {
     }
 
     /// Counts the steps of a turn once it reaches a whole number of them.
-    fn count_steps(&mut self, time_ns: u64) -> Result<(), Halt> {
+    fn count_steps(&mut self, time_ns: u64) -> Result<(), ReplayStop> {
         let steps = (self.grip.turn_rad() - self.leg_rad) / self.surface()?.contact_step_rad();
         let whole = steps.round();
         if (steps - whole).abs() > GRID_STEPS || whole as i64 == self.leg_steps {
@@ -177,14 +180,14 @@ impl JudgedHand<'_, '_> {
     /// Checks the speeds of all tips along a stretch in which holding tips move.
     fn check_carrying_pace(&mut self, nth: usize, stretch: &Stretch, findings: &mut Findings) {
         let facts = &self.order.facts;
-        for finger in (0..self.paces.len()).filter(|finger| !stretch.rests(*finger)) {
+        for finger in (0..self.tip_paths.len()).filter(|finger| !stretch.rests(*finger)) {
             let kept = match self.grip.has(finger) {
-                true => Pace::holds(stretch, finger, facts),
-                false => self.paces[finger].follow(stretch, finger, facts),
+                true => TipPath::holds(stretch, finger, facts),
+                false => self.tip_paths[finger].follow(stretch, finger, facts),
             };
-            self.tell_pace(nth, finger, kept, findings);
+            self.report_speed(nth, finger, kept, findings);
         }
-        self.settle_paces(nth, findings);
+        self.settle_tip_paths(nth, findings);
     }
 }
 

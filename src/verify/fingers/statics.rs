@@ -63,12 +63,12 @@ struct ContactForces {
     normal: Variable,
     tangential: Variable,
     /// Variables out of the plane; `None` if the load has no such component.
-    beyond: Option<Beyond>,
+    out_of_plane: Option<OutOfPlane>,
 }
 
 /// The force across the plane, and the torque about the inward normal as a force at the part's reach.
 #[derive(Clone, Copy)]
-struct Beyond {
+struct OutOfPlane {
     across: Variable,
     torque: Variable,
 }
@@ -95,7 +95,7 @@ impl<'a> Statics<'a> {
     }
 
     /// Whether the load has a component across the plane, or a torque that turns the part out of it.
-    fn is_of_space(&self) -> bool {
+    fn is_spatial(&self) -> bool {
         let [x_un, y_un] = self.load_un;
         let torque_un_um = self.height_um.abs() * x_un.hypotenuse(y_un);
         self.across_un.abs().max(torque_un_um / self.reach_um) > ROUNDING * self.size_un()
@@ -126,21 +126,21 @@ impl<'a> Statics<'a> {
         let depth = problem.add_var(1.0, (f64::NEG_INFINITY, 1.0));
         // Without a load the scale of the forces is free: only their sum is fixed.
         let most = if is_idle { 2.0 } else { facts.max_force_un / unit_un };
-        let bearings = self.bearings(&mut problem, touches, depth, unit_un, most);
+        let contact_variables = self.contact_variables(&mut problem, touches, depth, unit_un, most);
         if is_idle {
-            let sum: Vec<_> = bearings.iter().map(|bearing| (bearing.normal, 1.0)).collect();
+            let sum: Vec<_> = contact_variables.iter().map(|contact| (contact.normal, 1.0)).collect();
             problem.add_constraint(&sum, ComparisonOp::Eq, 1.0);
         }
         let pull = leaving.map(|touch| {
             let [[x, y], _] = touch.directions();
             (touch.point_um, [-x * pull_un, -y * pull_un])
         });
-        self.balance(&mut problem, touches, &bearings, pull, unit_un);
+        self.balance(&mut problem, touches, &contact_variables, pull, unit_un);
         Some(problem.solve().ok()?.into_solution().ok()?.var_value(depth))
     }
 
     /// Adds variables and friction cones for the forces of the contacts.
-    fn bearings(
+    fn contact_variables(
         &self,
         problem: &mut Problem,
         touches: &[ContactPoint],
@@ -150,17 +150,17 @@ impl<'a> Statics<'a> {
     ) -> Vec<ContactForces> {
         let facts = &self.order.facts;
         let sticking = pull_off_un(facts) / unit_un;
-        let is_of_space = self.is_of_space();
-        let bearing = |_: &ContactPoint| {
+        let is_spatial = self.is_spatial();
+        let contact = |_: &ContactPoint| {
             let normal = problem.add_var(0.0, (-sticking, f64::INFINITY));
             let tangential = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
             let room = facts.friction * sticking;
-            let beyond = is_of_space.then(|| self.beyond(problem, normal, unit_un, sticking));
+            let out_of_plane = is_spatial.then(|| self.out_of_plane(problem, normal, unit_un, sticking));
             let cone = |sign: f64| [(tangential, sign), (normal, -facts.friction), (depth, 1.0)];
             for sign in [1.0, -1.0] {
-                match beyond {
+                match out_of_plane {
                     None => problem.add_constraint(cone(sign), ComparisonOp::Le, room),
-                    Some(Beyond { across, .. }) => [1.0, -1.0].into_iter().for_each(|other| {
+                    Some(OutOfPlane { across, .. }) => [1.0, -1.0].into_iter().for_each(|other| {
                         let [tangential, normal, depth] = cone(sign);
                         let pyramid = [tangential, normal, depth, (across, other)];
                         problem.add_constraint(pyramid, ComparisonOp::Le, room);
@@ -168,14 +168,14 @@ impl<'a> Statics<'a> {
                 }
             }
             problem.add_constraint([(normal, 1.0), (depth, 1.0)], ComparisonOp::Le, most);
-            ContactForces { normal, tangential, beyond }
+            ContactForces { normal, tangential, out_of_plane }
         };
-        touches.iter().map(bearing).collect()
+        touches.iter().map(contact).collect()
     }
 
     /// Adds variables and limits for the out-of-plane forces of a contact. The lever of the load is known only to the
     /// tolerance of contacts, so a torque of that size is ignored.
-    fn beyond(&self, problem: &mut Problem, normal: Variable, unit_un: f64, sticking: f64) -> Beyond {
+    fn out_of_plane(&self, problem: &mut Problem, normal: Variable, unit_un: f64, sticking: f64) -> OutOfPlane {
         let facts = &self.order.facts;
         let across = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
         let torque = problem.add_var(0.0, (f64::NEG_INFINITY, f64::INFINITY));
@@ -184,7 +184,7 @@ impl<'a> Statics<'a> {
         for sign in [1.0, -1.0] {
             problem.add_constraint([(torque, sign), (normal, -torsion)], ComparisonOp::Le, torsion * sticking + slack);
         }
-        Beyond { across, torque }
+        OutOfPlane { across, torque }
     }
 
     /// Adds the balance of forces, and of torques about the centre of mass.
@@ -192,7 +192,7 @@ impl<'a> Statics<'a> {
         &self,
         problem: &mut Problem,
         touches: &[ContactPoint],
-        bearings: &[ContactForces],
+        contact_variables: &[ContactForces],
         pull: Option<([f64; 2], [f64; 2])>,
         unit_un: f64,
     ) {
@@ -212,11 +212,11 @@ impl<'a> Statics<'a> {
             let behind = -self.height_um / self.reach_um;
             [x, y, along * y - beside * x, z, beside * z - behind * y, behind * x - along * z]
         };
-        for (touch, bearing) in touches.iter().zip(bearings) {
+        for (touch, contact) in touches.iter().zip(contact_variables) {
             let [[x, y], [along, beside]] = touch.directions();
-            add(Some(bearing.normal), force(touch.point_um, [x, y, 0.0]));
-            add(Some(bearing.tangential), force(touch.point_um, [along, beside, 0.0]));
-            if let Some(Beyond { across, torque }) = bearing.beyond {
+            add(Some(contact.normal), force(touch.point_um, [x, y, 0.0]));
+            add(Some(contact.tangential), force(touch.point_um, [along, beside, 0.0]));
+            if let Some(OutOfPlane { across, torque }) = contact.out_of_plane {
                 add(Some(across), force(touch.point_um, [0.0, 0.0, 1.0]));
                 add(Some(torque), [0.0, 0.0, 0.0, 0.0, x, y]);
             }
@@ -227,7 +227,7 @@ impl<'a> Statics<'a> {
         if let Some((point_um, [x_un, y_un])) = pull {
             add(None, force(point_um, [x_un, y_un, 0.0]));
         }
-        let count = if self.is_of_space() { 6 } else { 3 };
+        let count = if self.is_spatial() { 6 } else { 3 };
         for (row, right) in rows.into_iter().take(count) {
             problem.add_constraint(&row, ComparisonOp::Eq, right);
         }
@@ -240,23 +240,23 @@ impl<'a> Statics<'a> {
         let unit_un = self.order.facts.max_force_un;
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         let depth = problem.add_var(1.0, (-TOLERANCE, 1.0));
-        let bearings = self.bearings(&mut problem, touches, depth, unit_un, 1.0);
-        self.balance(&mut problem, touches, &bearings, None, unit_un);
+        let contact_variables = self.contact_variables(&mut problem, touches, depth, unit_un, 1.0);
+        self.balance(&mut problem, touches, &contact_variables, None, unit_un);
         let missed = problem.add_var(-SUM_WEIGHT, (0.0, f64::INFINITY));
         for (sign, op) in [(1.0, ComparisonOp::Ge), (-1.0, ComparisonOp::Le)] {
-            let mut sum: Vec<_> = bearings.iter().map(|bearing| (bearing.normal, 1.0)).collect();
+            let mut sum: Vec<_> = contact_variables.iter().map(|contact| (contact.normal, 1.0)).collect();
             sum.push((missed, sign));
             problem.add_constraint(&sum, op, sum_un / unit_un);
         }
         let solution = problem.solve().ok()?.into_solution().ok()?;
-        let force = |(touch, bearing): (&ContactPoint, &ContactForces)| {
+        let force = |(touch, contact): (&ContactPoint, &ContactForces)| {
             let [inward, tangent] = touch.directions();
             let [normal, tangential] =
-                [bearing.normal, bearing.tangential].map(|variable| solution.var_value(variable));
-            let across = bearing.beyond.map_or(0.0, |beyond| solution.var_value(beyond.across));
+                [contact.normal, contact.tangential].map(|variable| solution.var_value(variable));
+            let across = contact.out_of_plane.map_or(0.0, |out_of_plane| solution.var_value(out_of_plane.across));
             let [x, y] = [0, 1].map(|axis| normal * inward[axis] + tangential * tangent[axis]);
             [x, y, across].map(|part| part * unit_un)
         };
-        Some(touches.iter().zip(&bearings).map(force).collect())
+        Some(touches.iter().zip(&contact_variables).map(force).collect())
     }
 }

@@ -69,8 +69,8 @@ impl<'a> Tracks<'a> {
             }
         }
         let before_um = before_um(run, &places, axes.len());
-        run.tally.asked(Rule::Axis, run.actuations.len() + axes.len());
-        run.tally.asked(Rule::Range, run.actuations.len());
+        run.tally.count_checks(Rule::Axis, run.actuations.len() + axes.len());
+        run.tally.count_checks(Rule::Range, run.actuations.len());
         for (at, axis) in axes.iter().enumerate() {
             unbroken(run, at, axis, before_um[at])?;
             axis.iter().try_for_each(|line| in_range(run, order, at, line))?;

@@ -54,9 +54,9 @@ impl JudgedBody {
     }
 
     /// The area swept by a body that moves straight along its heading.
-    pub fn stretched(&self, way_um: f64) -> JudgedBody {
+    pub fn stretched(&self, path_um: f64) -> JudgedBody {
         let [length_um, width_um] = self.half_um;
-        let centre = self.centre + self.along * (way_um / 2.0);
-        JudgedBody { centre, half_um: [length_um + way_um / 2.0, width_um], ..*self }
+        let centre = self.centre + self.along * (path_um / 2.0);
+        JudgedBody { centre, half_um: [length_um + path_um / 2.0, width_um], ..*self }
     }
 }

@@ -3,7 +3,7 @@
 //! Input: an order. Output: nothing, or the reason why no run can be checked against it. Claims of the checker always
 //! pass.
 
-use super::super::Unfit;
+use super::super::InvalidClaims;
 use super::super::geometry::solid::Solid;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
 use crate::device::microrobots::{Arm, MAX_LEVELS, MAX_OBSTACLES, MAX_ROBOTS, MicrorobotsFacts, Robot};
@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 ///
 /// # Errors
 /// If no schedule can be checked against the claims.
-pub(super) fn check_claims(order: &MicrorobotsOrder) -> Result<(), Unfit> {
+pub(super) fn check_claims(order: &MicrorobotsOrder) -> Result<(), InvalidClaims> {
     facts(&order.facts)?;
     order.facts.robots.iter().try_for_each(robot)?;
     states(order)?;
@@ -40,15 +40,15 @@ pub(super) fn check_claims(order: &MicrorobotsOrder) -> Result<(), Unfit> {
     })
 }
 
-fn demand(holds: bool, why: &str) -> Result<(), Unfit> {
-    if holds { Ok(()) } else { Err(Unfit(format!("the claims of microrobots {why}"))) }
+fn demand(holds: bool, why: &str) -> Result<(), InvalidClaims> {
+    if holds { Ok(()) } else { Err(InvalidClaims(format!("the claims of microrobots {why}"))) }
 }
 
 fn is_length(value_um: f64) -> bool {
     (0.0..=MAX_EXTENT_UM).contains(&value_um)
 }
 
-fn facts(facts: &MicrorobotsFacts) -> Result<(), Unfit> {
+fn facts(facts: &MicrorobotsFacts) -> Result<(), InvalidClaims> {
     demand((1..=MAX_ROBOTS).contains(&facts.robots.len()), "have no row in their table, or too many")?;
     let names: BTreeSet<&str> = facts.robots.iter().map(|robot| robot.name.as_str()).collect();
     demand(names.len() == facts.robots.len(), "have two robots with the same name")?;
@@ -65,7 +65,7 @@ fn facts(facts: &MicrorobotsFacts) -> Result<(), Unfit> {
     demand(lengths.into_iter().all(is_length), "have a length out of range")
 }
 
-fn robot(robot: &Robot) -> Result<(), Unfit> {
+fn robot(robot: &Robot) -> Result<(), InvalidClaims> {
     let Robot { snap_down_v, release_v, turning_radius_um, step_um, length_um, width_um, .. } = *robot;
     let volts = [snap_down_v, release_v];
     demand(volts.into_iter().all(f64::is_finite) && release_v < snap_down_v, "have a robot that never releases")?;
@@ -73,7 +73,7 @@ fn robot(robot: &Robot) -> Result<(), Unfit> {
     demand(sizes.into_iter().all(|value| value > 0.0 && is_length(value)), "have a robot with a size out of range")
 }
 
-fn states(order: &MicrorobotsOrder) -> Result<(), Unfit> {
+fn states(order: &MicrorobotsOrder) -> Result<(), InvalidClaims> {
     let mut met = BTreeSet::new();
     for state in order.states.iter() {
         demand(state.arms.len() == order.facts.robots.len(), "have a control state of another table")?;
@@ -92,7 +92,7 @@ pub(super) fn rest(order: &MicrorobotsOrder) -> Option<usize> {
     order.states.iter().position(|state| state.arms.iter().all(|arm| *arm == Arm::Up))
 }
 
-fn scene(order: &MicrorobotsOrder) -> Result<(), Unfit> {
+fn scene(order: &MicrorobotsOrder) -> Result<(), InvalidClaims> {
     let rows: Vec<usize> = order.robots.iter().map(|robot| robot.row).collect();
     demand(rows.is_sorted_by(|one, other| one < other), "have robots in another order than their table")?;
     demand(rows.iter().all(|row| *row < order.facts.robots.len()), "have a robot that is not in the table")?;
@@ -104,7 +104,7 @@ fn scene(order: &MicrorobotsOrder) -> Result<(), Unfit> {
     demand(precision.into_iter().all(|value| value.is_finite() && value >= 0.0), "have a precision out of range")
 }
 
-fn stop(stop: &MicrorobotsStop) -> Result<(), Unfit> {
+fn stop(stop: &MicrorobotsStop) -> Result<(), InvalidClaims> {
     demand(is_place(&stop.pose), "name a goal out of range")
 }
 

@@ -7,13 +7,13 @@
 //! paths are examined as they are driven, with all robots at the same fraction of the same train. Cost: for each train
 //! the pairs of robots and the obstacles near each; few evaluations where there is ample room.
 
-use super::super::Halt;
+use super::super::ReplayStop;
 use super::super::boxes::{Extent, GroupedBoxes};
 use super::super::geometry::solid::Solid;
 use super::super::rule::{Findings, Rule, Violation, ms};
 use super::bodies::JudgedBody;
-use super::motion::Ride;
-use super::sweep::{Endless, Looks, ROUNDING_UM, SweptGap, SweptTouch};
+use super::motion::TrainMotion;
+use super::sweep::{BudgetExceeded, Evaluations, ROUNDING_UM, SweptGap, SweptTouch};
 use super::{JudgedBed, JudgedTrain};
 use crate::quantity::digits;
 use nalgebra::Point2;
@@ -40,12 +40,12 @@ type ReportedMeeting = (Rule, usize, usize);
 ///
 /// # Errors
 /// If the run cannot be judged in a reasonable time.
-pub(super) fn check(bed: &JudgedBed, findings: &mut Findings) -> Result<(), Halt> {
-    let mut watch = Watch::new(bed, findings);
+pub(super) fn check(bed: &JudgedBed, findings: &mut Findings) -> Result<(), ReplayStop> {
+    let mut checker = ClearanceChecker::new(bed, findings);
     let orbits = orbits(bed);
     for (index, train) in bed.trains.iter().enumerate() {
-        let looked = watch.train(index, train, &orbits[index]);
-        looked.map_err(|Endless| {
+        let checked = checker.train(index, train, &orbits[index]);
+        checked.map_err(|BudgetExceeded| {
             let at_ns = train.leg.train_ns;
             let title = format!(
                 "the clearance check ran out of its evaluation budget at {}: bodies stay too close to their limits",
@@ -61,7 +61,7 @@ pub(super) fn check(bed: &JudgedBed, findings: &mut Findings) -> Result<(), Halt
 fn orbits(bed: &JudgedBed) -> Vec<Vec<(usize, TakenDisc)>> {
     let mut orbits: Vec<Vec<(usize, TakenDisc)>> = vec![Vec::new(); bed.trains.len()];
     for robot in 0..bed.places.len() {
-        let turns = |train: &JudgedTrain| train.rides[robot].curve_um.filter(|_| train.rides[robot].way_um > 0.0);
+        let turns = |train: &JudgedTrain| train.motions[robot].curve_um.filter(|_| train.motions[robot].path_um > 0.0);
         let goes_on = |one: &JudgedTrain, other: &JudgedTrain| {
             one.waits == other.waits && turns(one).is_some() && turns(other).is_some()
         };
@@ -70,10 +70,11 @@ fn orbits(bed: &JudgedBed) -> Vec<Vec<(usize, TakenDisc)>> {
             let trains = first..first + stretch.len();
             first = trains.end;
             let Some(curve_um) = stretch.first().and_then(turns) else { continue };
-            let way_um: f64 = stretch.iter().map(|train| train.rides[robot].way_um).sum();
-            if way_um / curve_um.abs() >= TAU + ROUNDING_TURN_RAD {
-                let ride = &stretch[0].rides[robot];
-                let disc = TakenDisc { centre: ride.start.centre(curve_um), reach_um: ride.disc_radius_um(curve_um) };
+            let path_um: f64 = stretch.iter().map(|train| train.motions[robot].path_um).sum();
+            if path_um / curve_um.abs() >= TAU + ROUNDING_TURN_RAD {
+                let motion = &stretch[0].motions[robot];
+                let disc =
+                    TakenDisc { centre: motion.start.centre(curve_um), reach_um: motion.disc_radius_um(curve_um) };
                 trains.for_each(|train| orbits[train].push((robot, disc)));
             }
         }
@@ -82,29 +83,41 @@ fn orbits(bed: &JudgedBed) -> Vec<Vec<(usize, TakenDisc)>> {
 }
 
 /// The clearance checks of a run, train by train.
-pub(super) struct Watch<'b, 'r, 'a, 'f> {
+pub(super) struct ClearanceChecker<'b, 'r, 'a, 'f> {
     bed: &'b JudgedBed<'r, 'a>,
     findings: &'f mut Findings,
     pub solids: Vec<Solid>,
     boxes: GroupedBoxes,
-    looks: Looks,
+    evaluations: Evaluations,
     reported: FxHashSet<ReportedMeeting>,
 }
 
-impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
+impl<'b, 'r, 'a, 'f> ClearanceChecker<'b, 'r, 'a, 'f> {
     pub fn new(bed: &'b JudgedBed<'r, 'a>, findings: &'f mut Findings) -> Self {
         let placed = bed.order.obstacles.iter().map(|obstacle| Solid::of(&obstacle.shape, &obstacle.pose));
         let solids: Vec<Solid> = placed.map(|body| body.expect("the premise knows every shape")).collect();
         let boxes = GroupedBoxes::new(solids.iter().map(Solid::extent));
-        Watch { bed, findings, solids, boxes, looks: Looks::default(), reported: FxHashSet::default() }
+        ClearanceChecker {
+            bed,
+            findings,
+            solids,
+            boxes,
+            evaluations: Evaluations::default(),
+            reported: FxHashSet::default(),
+        }
     }
 
-    fn train(&mut self, index: usize, train: &JudgedTrain, orbits: &[(usize, TakenDisc)]) -> Result<(), Endless> {
-        for (robot, ride) in train.rides.iter().enumerate().filter(|(_, ride)| ride.way_um > 0.0) {
-            self.obstacles(train, robot, ride)?;
+    fn train(
+        &mut self,
+        index: usize,
+        train: &JudgedTrain,
+        orbits: &[(usize, TakenDisc)],
+    ) -> Result<(), BudgetExceeded> {
+        for (robot, motion) in train.motions.iter().enumerate().filter(|(_, motion)| motion.path_um > 0.0) {
+            self.obstacles(train, robot, motion)?;
         }
-        for one in 0..train.rides.len() {
-            for other in one + 1..train.rides.len() {
+        for one in 0..train.motions.len() {
+            for other in one + 1..train.motions.len() {
                 self.pair(index, train, [one, other])?;
             }
         }
@@ -112,7 +125,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
             self.obstacles_of_orbit(train, *robot, disc);
             orbits[place + 1..].iter().for_each(|(other, guest)| self.orbits(train, *robot, disc, *other, guest));
             let orbiting = |other: usize| orbits.iter().any(|(orbiting, _)| *orbiting == other);
-            for other in (0..train.rides.len()).filter(|other| !orbiting(*other)) {
+            for other in (0..train.motions.len()).filter(|other| !orbiting(*other)) {
                 self.guest(train, *robot, disc, other)?;
             }
         }
@@ -125,22 +138,22 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// A moving body keeps its clearance from obstacles.
-    fn obstacles(&mut self, train: &JudgedTrain, robot: usize, ride: &Ride) -> Result<(), Endless> {
+    fn obstacles(&mut self, train: &JudgedTrain, robot: usize, motion: &TrainMotion) -> Result<(), BudgetExceeded> {
         let needed_um = self.bed.order.facts.clearance_um;
-        let (centre, radius_um) = ride.disc([0.0, 1.0]);
-        let (round, part) = ride.once_round();
-        self.findings.asked(Rule::Graze, self.solids.len());
+        let (centre, radius_um) = motion.disc([0.0, 1.0]);
+        let (round, part) = motion.first_turn();
+        self.findings.count_checks(Rule::Graze, self.solids.len());
         for obstacle in self.about(centre, radius_um + needed_um) {
             let meeting = (Rule::Graze, robot, obstacle);
             let solid = &self.solids[obstacle];
             let gap_um = |body: JudgedBody| solid.gap_um(&body.vertices());
-            let swept = ride.curve_um.is_none().then(|| ride.body(0.0).stretched(ride.way_um));
+            let swept = motion.curve_um.is_none().then(|| motion.body(0.0).stretched(motion.path_um));
             if self.reported.contains(&meeting) || swept.is_some_and(|swept| gap_um(swept) >= needed_um) {
                 continue;
             }
             let at = |share| gap_um(round.body(share));
             let gap = SweptGap { at, floor: |_| f64::NEG_INFINITY, travel_um: round.travel_um() };
-            if let Some(touch) = gap.below([0.0, 1.0], needed_um, &mut self.looks)? {
+            if let Some(touch) = gap.below([0.0, 1.0], needed_um, &mut self.evaluations)? {
                 let touch = SweptTouch { share: touch.share * part, ..touch };
                 let name = &self.bed.order.obstacles[obstacle].name;
                 let title = |at: &str| {
@@ -159,18 +172,18 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// Two bodies of which at least one moves keep their clearance, except on the last stretch before docking.
-    fn pair(&mut self, index: usize, train: &JudgedTrain, robots: [usize; 2]) -> Result<(), Endless> {
-        let rides = robots.map(|robot| &train.rides[robot]);
+    fn pair(&mut self, index: usize, train: &JudgedTrain, robots: [usize; 2]) -> Result<(), BudgetExceeded> {
+        let motions = robots.map(|robot| &train.motions[robot]);
         let meeting = (Rule::Meet, robots[0], robots[1]);
-        self.findings.asked(Rule::Meet, 1);
-        if rides.iter().all(|ride| ride.way_um == 0.0) || self.reported.contains(&meeting) {
+        self.findings.count_checks(Rule::Meet, 1);
+        if motions.iter().all(|motion| motion.path_um == 0.0) || self.reported.contains(&meeting) {
             return Ok(());
         }
         let facts = &self.bed.order.facts;
         let docking = self.docking_from(index, train, robots);
         let spans = [([0.0, docking], facts.clearance_um), ([docking, 1.0], -facts.docking.tolerance_um)];
         for (span, needed_um) in spans.into_iter().filter(|([from, to], _)| from < to) {
-            if let Some(touch) = pair_gap(rides).below(span, needed_um, &mut self.looks)? {
+            if let Some(touch) = pair_gap(motions).below(span, needed_um, &mut self.evaluations)? {
                 let [one, other] = robots.map(|robot| self.bed.name(robot));
                 let title = |at: &str| match needed_um < 0.0 {
                     true => {
@@ -212,12 +225,12 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     /// Obstacles keep clear of an orbit.
     fn obstacles_of_orbit(&mut self, train: &JudgedTrain, robot: usize, disc: &TakenDisc) {
         let needed_um = self.bed.order.facts.orbit_clearance_um;
-        self.findings.asked(Rule::Orbit, self.solids.len());
+        self.findings.count_checks(Rule::Orbit, self.solids.len());
         for obstacle in self.about(disc.centre, disc.reach_um + needed_um) {
             let solid = &self.solids[obstacle];
             let gap_um = solid.gap_um(&[disc.centre]) - disc.reach_um;
             // Indices of obstacles follow those of robots, so that keys do not collide.
-            let meeting = (Rule::Orbit, robot, train.rides.len() + obstacle);
+            let meeting = (Rule::Orbit, robot, train.motions.len() + obstacle);
             if gap_um < needed_um - ROUNDING_UM && !self.reported.contains(&meeting) {
                 let name = format!("`{}`", self.bed.order.obstacles[obstacle].name);
                 let violation = self.orbit(train, robot, &name, SweptTouch { share: 0.0, gap_um });
@@ -232,7 +245,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
         let needed_um = self.bed.order.facts.orbit_clearance_um;
         let gap_um = (disc.centre - guest.centre).norm() - disc.reach_um - guest.reach_um;
         let meeting = (Rule::Orbit, robot, other);
-        self.findings.asked(Rule::Orbit, 1);
+        self.findings.count_checks(Rule::Orbit, 1);
         if gap_um < needed_um - ROUNDING_UM && !self.reported.contains(&meeting) {
             let name = format!("that of `{}`", self.bed.name(other));
             let violation = self.orbit(train, robot, &name, SweptTouch { share: 0.0, gap_um });
@@ -241,22 +254,28 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
     }
 
     /// A robot that does not orbit keeps clear of an orbit, whether it moves or not.
-    fn guest(&mut self, train: &JudgedTrain, robot: usize, disc: &TakenDisc, other: usize) -> Result<(), Endless> {
+    fn guest(
+        &mut self,
+        train: &JudgedTrain,
+        robot: usize,
+        disc: &TakenDisc,
+        other: usize,
+    ) -> Result<(), BudgetExceeded> {
         let meeting = (Rule::Orbit, robot, other);
-        self.findings.asked(Rule::Orbit, 1);
+        self.findings.count_checks(Rule::Orbit, 1);
         if self.reported.contains(&meeting) {
             return Ok(());
         }
-        let ride = &train.rides[other];
+        let motion = &train.motions[other];
         let gap = SweptGap {
-            at: |share| ride.body(share).point_gap_um(disc.centre) - disc.reach_um,
+            at: |share| motion.body(share).point_gap_um(disc.centre) - disc.reach_um,
             floor: |span| {
-                let (centre, radius_um) = ride.disc(span);
+                let (centre, radius_um) = motion.disc(span);
                 (centre - disc.centre).norm() - radius_um - disc.reach_um
             },
-            travel_um: ride.travel_um(),
+            travel_um: motion.travel_um(),
         };
-        if let Some(touch) = gap.below([0.0, 1.0], self.bed.order.facts.orbit_clearance_um, &mut self.looks)? {
+        if let Some(touch) = gap.below([0.0, 1.0], self.bed.order.facts.orbit_clearance_um, &mut self.evaluations)? {
             let name = format!("`{}`", self.bed.name(other));
             let violation = self.orbit(train, robot, &name, touch);
             self.report(meeting, violation);
@@ -292,7 +311,7 @@ impl<'b, 'r, 'a, 'f> Watch<'b, 'r, 'a, 'f> {
 
 /// The distance between two bodies during a train.
 pub(super) fn pair_gap<'t>(
-    [one, other]: [&'t Ride; 2],
+    [one, other]: [&'t TrainMotion; 2],
 ) -> SweptGap<impl Fn(f64) -> f64 + 't, impl Fn([f64; 2]) -> f64 + 't> {
     SweptGap {
         at: |share| one.body(share).gap_um(&other.body(share)),

@@ -20,7 +20,7 @@ mod voltage;
 use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{Halt, Judge, JudgedState, RecordTerms, Replay, Standing, Unfit};
+use super::{InvalidClaims, Judge, JudgedState, LastStates, RecordTerms, Replay, ReplayStop};
 use crate::claims::microrobots::{Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
 use crate::claims::{Claims, Order};
 use crate::device::microrobots::{
@@ -31,7 +31,7 @@ use crate::quantity::digits;
 use crate::real::Real;
 use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use crate::schedule::{ChannelUnit, State, TimedState};
-use motion::{Ride, RobotPlace, turn_between};
+use motion::{RobotPlace, TrainMotion, turn_between};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use sweep::ROUNDING_UM;
@@ -58,7 +58,7 @@ impl Judge for MicrorobotsOrder {
         true
     }
 
-    fn premise(&self) -> Result<(), Unfit> {
+    fn premise(&self) -> Result<(), InvalidClaims> {
         claims::check_claims(self)
     }
 
@@ -95,11 +95,11 @@ impl Judge for MicrorobotsOrder {
         &self,
         run: &JudgedRun<'a>,
         _claims: &Claims,
-        standing: &mut Standing<'a>,
+        last_states: &mut LastStates<'a>,
         findings: &mut Findings,
-    ) -> Result<Replay<'a>, Halt> {
+    ) -> Result<Replay<'a>, ReplayStop> {
         let legs = voltage::legs(run, self, findings)?;
-        let mut bed = JudgedBed::new(run, self, standing);
+        let mut bed = JudgedBed::new(run, self, last_states);
         bed.due_states = due_states(self, &legs);
         for (nth, step) in self.steps.iter().enumerate() {
             let ends_from = bed.trains.len();
@@ -125,7 +125,7 @@ impl Judge for MicrorobotsOrder {
         if findings.len() == before {
             nearest::note(&bed, findings);
         }
-        standing.insert(&run.job.device, bed.state(bed.rest));
+        last_states.insert(&run.job.device, bed.state(bed.rest));
         let outcomes = bed.outcomes();
         Ok(Replay { states: bed.states, outcomes, operations: BTreeMap::new() })
     }
@@ -174,7 +174,7 @@ struct JudgedTrain {
     nth: usize,
     leg: VoltageLeg,
     /// One for each robot of the order.
-    rides: Vec<Ride>,
+    motions: Vec<TrainMotion>,
     /// Number of waits before it. An arm that goes up during a wait begins a new turn.
     waits: usize,
     /// Strokes of the run before this train.
@@ -202,8 +202,8 @@ struct JudgedBed<'r, 'a> {
 
 impl<'r, 'a> JudgedBed<'r, 'a> {
     /// The bed at the start of a run: robots are where the device's last run left them, or where the scene has them.
-    fn new(run: &'r JudgedRun<'a>, order: &'r MicrorobotsOrder, standing: &Standing) -> Self {
-        let left = match standing.get(run.job.device.as_str()) {
+    fn new(run: &'r JudgedRun<'a>, order: &'r MicrorobotsOrder, last_states: &LastStates) -> Self {
+        let left = match last_states.get(run.job.device.as_str()) {
             Some(State::Microrobots(MicrorobotsState { poses, docked, .. })) => Some((poses, docked)),
             Some(State::Dimibot(_) | State::ElectrodeArray(_) | State::Fingers(_)) | None => None,
         };
@@ -235,25 +235,31 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         self.run.step(nth).end_ns()
     }
 
-    fn wait(&mut self, start_ns: u64, duration_ns: u64) -> Result<(), Halt> {
+    fn wait(&mut self, start_ns: u64, duration_ns: u64) -> Result<(), ReplayStop> {
         self.record_rest(start_ns)?;
         self.waits += usize::from(duration_ns > 0);
         Ok(())
     }
 
     /// Drives the strokes of some legs. After each leg, the robots of `docks` may dock.
-    fn follow(&mut self, nth: usize, legs: &[VoltageLeg], docks: &[Dock], findings: &mut Findings) -> Result<(), Halt> {
+    fn follow(
+        &mut self,
+        nth: usize,
+        legs: &[VoltageLeg],
+        docks: &[Dock],
+        findings: &mut Findings,
+    ) -> Result<(), ReplayStop> {
         for leg in legs {
             self.record(leg.start_ns, leg.control)?;
-            findings.asked(Rule::Twist, self.docked.iter().flatten().count());
+            findings.count_checks(Rule::Twist, self.docked.iter().flatten().count());
             self.twist(nth, leg).into_iter().for_each(|violation| findings.push(violation));
-            let rides: Vec<Ride> = (0..self.places.len()).map(|robot| self.ride(robot, leg)).collect();
-            for (place, ride) in self.places.iter_mut().zip(&rides).filter(|(_, ride)| ride.way_um > 0.0) {
-                *place = place.driven(ride.curve_um, ride.way_um);
+            let motions: Vec<TrainMotion> = (0..self.places.len()).map(|robot| self.train_motion(robot, leg)).collect();
+            for (place, motion) in self.places.iter_mut().zip(&motions).filter(|(_, motion)| motion.path_um > 0.0) {
+                *place = place.driven(motion.curve_um, motion.path_um);
             }
             let strokes_before = self.strokes;
             self.strokes = self.strokes.saturating_add(leg.strokes);
-            self.trains.push(JudgedTrain { nth, leg: *leg, rides, waits: self.waits, strokes_before });
+            self.trains.push(JudgedTrain { nth, leg: *leg, motions, waits: self.waits, strokes_before });
             self.dock(docks);
         }
         Ok(())
@@ -272,16 +278,16 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         Some(self.run.violation(Rule::Twist, nth, leg.train_ns, title))
     }
 
-    fn ride(&self, robot: usize, leg: &VoltageLeg) -> Ride {
+    fn train_motion(&self, robot: usize, leg: &VoltageLeg) -> TrainMotion {
         let facts = self.order.robot(robot);
         let is_docked = self.docked[robot].is_some();
-        Ride {
+        TrainMotion {
             start: self.places[robot],
             curve_um: match self.order.states[leg.control].arms[self.order.robots[robot].row] {
                 Arm::Up => None,
                 Arm::Down => Some(curve_um(facts)),
             },
-            way_um: if is_docked { 0.0 } else { leg.strokes as f64 * facts.step_um },
+            path_um: if is_docked { 0.0 } else { leg.strokes as f64 * facts.step_um },
             half_um: [facts.length_um / 2.0, facts.width_um / 2.0],
         }
     }
@@ -298,7 +304,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         let body = |robot: usize| {
             let facts = self.order.robot(robot);
             let half_um = [facts.length_um / 2.0, facts.width_um / 2.0];
-            Ride { start: self.places[robot], curve_um: None, way_um: 0.0, half_um }.body(0.0)
+            TrainMotion { start: self.places[robot], curve_um: None, path_um: 0.0, half_um }.body(0.0)
         };
         let arrives =
             |dock: &&Dock| self.docked[dock.robot].is_none() && self.is_at(self.places[dock.robot], &dock.goal.pose);
@@ -315,7 +321,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
 
     /// An `apply` is one leg in its control state, with as many strokes as its duration takes.
     fn applied(&self, nth: usize, legs: &[VoltageLeg], state: usize, duration_ns: u64, findings: &mut Findings) {
-        findings.asked(Rule::Apply, 1);
+        findings.count_checks(Rule::Apply, 1);
         let step = self.run.step(nth);
         let strokes = duration_ns.div_ceil(self.order.facts.period_ns);
         let title = match legs {
@@ -334,8 +340,8 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
 
     /// A robot passes its stops in order, each at the end of a leg, and ends at the last one.
     fn stops(&self, nth: usize, from: usize, robot: usize, stops: &[MicrorobotsStop], findings: &mut Findings) {
-        findings.asked(Rule::Goal, stops.len());
-        let starts = self.trains[from..].iter().map(|train| train.rides[robot].start);
+        findings.count_checks(Rule::Goal, stops.len());
+        let starts = self.trains[from..].iter().map(|train| train.motions[robot].start);
         let instants = starts.chain([self.places[robot]]);
         let Some((goal, mut left)) = stops.split_last() else { return };
         for place in instants {
@@ -368,7 +374,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
 
     /// The robots of an assembly end docked, at their goals.
     fn assembled(&self, nth: usize, docks: &[Dock], findings: &mut Findings) {
-        findings.asked(Rule::Dock, docks.len());
+        findings.count_checks(Rule::Dock, docks.len());
         for Dock { robot, goal } in docks {
             let (name, is_there) = (self.name(*robot), self.is_at(self.places[*robot], &goal.pose));
             let title = match (self.docked[*robot], is_there) {
@@ -397,7 +403,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
     }
 
     /// Compares the state at an instant with the record's next one.
-    fn record(&mut self, t_ns: u64, control: usize) -> Result<(), Halt> {
+    fn record(&mut self, t_ns: u64, control: usize) -> Result<(), ReplayStop> {
         let replayed = TimedState { t_ns, state: self.state(control) };
         match self.run.plan.states.get(self.states.len()) {
             None => return Err(record::miscounted(self.run, self.due_states).into()),
@@ -411,7 +417,7 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
     }
 
     /// Records the state of a bed without voltage, with all arms up.
-    fn record_rest(&mut self, t_ns: u64) -> Result<(), Halt> {
+    fn record_rest(&mut self, t_ns: u64) -> Result<(), ReplayStop> {
         self.record(t_ns, self.rest)
     }
 

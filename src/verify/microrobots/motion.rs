@@ -31,12 +31,12 @@ impl RobotPlace {
     }
 
     /// The pose after a path length, on a curve or straight.
-    pub fn driven(self, curve_um: Option<f64>, way_um: f64) -> RobotPlace {
+    pub fn driven(self, curve_um: Option<f64>, path_um: f64) -> RobotPlace {
         let (sin, cos) = self.theta_rad.sine_cosine();
         let Some(curve_um) = curve_um else {
-            return RobotPlace { at: self.at + Vector2::new(sin, cos) * way_um, ..self };
+            return RobotPlace { at: self.at + Vector2::new(sin, cos) * path_um, ..self };
         };
-        let theta_rad = self.theta_rad + way_um / curve_um;
+        let theta_rad = self.theta_rad + path_um / curve_um;
         let (later_sin, later_cos) = theta_rad.sine_cosine();
         let at = self.at + Vector2::new(cos - later_cos, later_sin - sin) * curve_um;
         RobotPlace { at, theta_rad: theta_rad.rem_euclid(TAU) }
@@ -63,20 +63,20 @@ pub(super) fn turn_between(from_rad: f64, to_rad: f64) -> f64 {
 
 /// Motion of a body in one train of strokes. Its methods take fractions of the path, from 0 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Ride {
+pub(super) struct TrainMotion {
     pub start: RobotPlace,
     /// Turning radius, positive to the right; `None` with the arm up.
     pub curve_um: Option<f64>,
     /// Path length; 0 for a body that rests.
-    pub way_um: f64,
+    pub path_um: f64,
     /// Half of the body's length and width.
     pub half_um: [f64; 2],
 }
 
-impl Ride {
+impl TrainMotion {
     /// The body at a fraction of the path.
     pub fn body(&self, share: f64) -> JudgedBody {
-        let place = self.start.driven(self.curve_um, self.way_um * share);
+        let place = self.start.driven(self.curve_um, self.path_um * share);
         let (sin, cos) = place.theta_rad.sine_cosine();
         JudgedBody { centre: place.at, along: Vector2::new(sin, cos), half_um: self.half_um }
     }
@@ -94,22 +94,22 @@ impl Ride {
     /// Upper bound on the path length of any point of the body.
     pub fn travel_um(&self) -> f64 {
         match self.curve_um {
-            None => self.way_um,
-            Some(curve_um) => self.way_um / curve_um.abs() * self.disc_radius_um(curve_um),
+            None => self.path_um,
+            Some(curve_um) => self.path_um / curve_um.abs() * self.disc_radius_um(curve_um),
         }
     }
 
     /// The straight displacement of every point of the body; `None` if the body turns.
     pub fn shift(&self) -> Option<Vector2<f64>> {
         let (sin, cos) = self.start.theta_rad.sine_cosine();
-        (self.curve_um.is_none() || self.way_um == 0.0).then(|| Vector2::new(sin, cos) * self.way_um)
+        (self.curve_um.is_none() || self.path_um == 0.0).then(|| Vector2::new(sin, cos) * self.path_um)
     }
 
     /// A disc that contains the body between two fractions of the path, as centre and radius.
     pub fn disc(&self, [from, to]: [f64; 2]) -> (Point2<f64>, f64) {
-        let half_way_um = self.way_um * (to - from) / 2.0;
-        let middle = self.start.driven(self.curve_um, self.way_um * (from + to) / 2.0);
-        let near = (middle.at, half_way_um + self.half_diagonal_um());
+        let half_path_um = self.path_um * (to - from) / 2.0;
+        let middle = self.start.driven(self.curve_um, self.path_um * (from + to) / 2.0);
+        let near = (middle.at, half_path_um + self.half_diagonal_um());
         match self.curve_um {
             Some(curve_um) if self.disc_radius_um(curve_um) < near.1 => {
                 (self.start.centre(curve_um), self.disc_radius_um(curve_um))
@@ -118,13 +118,13 @@ impl Ride {
         }
     }
 
-    /// The ride cut off after its first full turn, and its fraction of the whole path.
-    pub fn once_round(&self) -> (Ride, f64) {
+    /// The motion cut off after its first full turn, and its fraction of the whole path.
+    pub fn first_turn(&self) -> (TrainMotion, f64) {
         let whole_um = self.curve_um.map_or(f64::INFINITY, |curve_um| TAU * curve_um.abs());
-        if self.way_um <= whole_um {
+        if self.path_um <= whole_um {
             (*self, 1.0)
         } else {
-            (Ride { way_um: whole_um, ..*self }, whole_um / self.way_um)
+            (TrainMotion { path_um: whole_um, ..*self }, whole_um / self.path_um)
         }
     }
 }

@@ -8,8 +8,8 @@
 use super::JudgedBed;
 use super::JudgedTrain;
 use super::bodies::JudgedBody;
-use super::clearance::{Watch, pair_gap};
-use super::motion::Ride;
+use super::clearance::{ClearanceChecker, pair_gap};
+use super::motion::TrainMotion;
 use super::sweep::SweptGap;
 use crate::verify::evidence::{Clearance, GapUnit};
 use crate::verify::geometry::convex::nearest_points;
@@ -21,26 +21,26 @@ const TOLERANCE_UM: f64 = 0.01;
 const COARSER: f64 = 10.0;
 
 /// Evaluations per tolerance in a run.
-const LOOKS: u64 = 1 << 17;
+const EVALUATIONS: u64 = 1 << 17;
 
 /// The search for the least distances of a run.
 struct Nearest<'w, 'b, 'r, 'a, 'f> {
-    watch: &'w Watch<'b, 'r, 'a, 'f>,
+    checker: &'w ClearanceChecker<'b, 'r, 'a, 'f>,
     bed: &'b JudgedBed<'r, 'a>,
     tolerance_um: f64,
-    looks: u64,
+    evaluations: u64,
 }
 
 /// Records the least distances of a run without clearance violations.
 pub(super) fn note(bed: &JudgedBed, findings: &mut Findings) {
-    let watch = Watch::new(bed, findings);
-    let mut nearest = Nearest { watch: &watch, bed, tolerance_um: TOLERANCE_UM, looks: LOOKS };
+    let checker = ClearanceChecker::new(bed, findings);
+    let mut nearest = Nearest { checker: &checker, bed, tolerance_um: TOLERANCE_UM, evaluations: EVALUATIONS };
     for (index, train) in nearest.bed.trains.iter().enumerate() {
-        for (robot, ride) in train.rides.iter().enumerate().filter(|(_, ride)| ride.way_um > 0.0) {
-            nearest.obstacles(train, robot, ride);
+        for (robot, motion) in train.motions.iter().enumerate().filter(|(_, motion)| motion.path_um > 0.0) {
+            nearest.obstacles(train, robot, motion);
         }
-        for one in 0..train.rides.len() {
-            for other in one + 1..train.rides.len() {
+        for one in 0..train.motions.len() {
+            for other in one + 1..train.motions.len() {
                 nearest.pair(index, train, [one, other]);
             }
         }
@@ -48,7 +48,7 @@ pub(super) fn note(bed: &JudgedBed, findings: &mut Findings) {
     // Parts of paths that were pruned may be nearer by as much as the coarsest tolerance.
     let (tally, device) = (&nearest.bed.run.tally, &nearest.bed.run.job.device);
     for rule in [Rule::Graze, Rule::Meet] {
-        tally.off_by(rule, device, nearest.tolerance_um);
+        tally.widen_error(rule, device, nearest.tolerance_um);
     }
 }
 
@@ -57,14 +57,14 @@ impl Nearest<'_, '_, '_, '_, '_> {
         self.bed.run.tally.least(rule, &self.bed.run.job.device)
     }
 
-    fn obstacles(&mut self, train: &JudgedTrain, robot: usize, ride: &Ride) {
-        let (centre, radius_um) = ride.disc([0.0, 1.0]);
-        let (round, part) = ride.once_round();
-        for obstacle in self.watch.about(centre, radius_um + self.least_um(Rule::Graze)) {
-            let solid = &self.watch.solids[obstacle];
+    fn obstacles(&mut self, train: &JudgedTrain, robot: usize, motion: &TrainMotion) {
+        let (centre, radius_um) = motion.disc([0.0, 1.0]);
+        let (round, part) = motion.first_turn();
+        for obstacle in self.checker.about(centre, radius_um + self.least_um(Rule::Graze)) {
+            let solid = &self.checker.solids[obstacle];
             let gap_um = |body: JudgedBody| solid.gap_um(&body.vertices());
             let below_um = self.least_um(Rule::Graze);
-            if ride.curve_um.is_none() && gap_um(ride.body(0.0).stretched(ride.way_um)) >= below_um {
+            if motion.curve_um.is_none() && gap_um(motion.body(0.0).stretched(motion.path_um)) >= below_um {
                 continue;
             }
             let gap = SweptGap {
@@ -81,15 +81,15 @@ impl Nearest<'_, '_, '_, '_, '_> {
     }
 
     fn pair(&mut self, index: usize, train: &JudgedTrain, robots: [usize; 2]) {
-        let rides = robots.map(|robot| &train.rides[robot]);
-        let until = self.watch.docking_from(index, train, robots);
-        if rides.iter().all(|ride| ride.way_um == 0.0) || until <= 0.0 {
+        let motions = robots.map(|robot| &train.motions[robot]);
+        let until = self.checker.docking_from(index, train, robots);
+        if motions.iter().all(|motion| motion.path_um == 0.0) || until <= 0.0 {
             return;
         }
-        let Some((share, least_um)) = self.least(&pair_gap(rides), [0.0, until], self.least_um(Rule::Meet)) else {
+        let Some((share, least_um)) = self.least(&pair_gap(motions), [0.0, until], self.least_um(Rule::Meet)) else {
             return;
         };
-        let [one, other] = rides.map(|ride| ride.body(share).vertices());
+        let [one, other] = motions.map(|motion| motion.body(share).vertices());
         let Some(points) = nearest_points(&one, &other) else { return };
         self.keep(Rule::Meet, robots.map(|robot| self.bed.name(robot).to_owned()), train, share, least_um, points);
     }
@@ -135,9 +135,9 @@ impl Nearest<'_, '_, '_, '_, '_> {
 
     /// Counts an evaluation. When all are used, the rest of the run is measured more coarsely.
     fn look(&mut self) {
-        match self.looks.checked_sub(1) {
-            Some(left) => self.looks = left,
-            None => (self.tolerance_um, self.looks) = (self.tolerance_um * COARSER, LOOKS),
+        match self.evaluations.checked_sub(1) {
+            Some(left) => self.evaluations = left,
+            None => (self.tolerance_um, self.evaluations) = (self.tolerance_um * COARSER, EVALUATIONS),
         }
     }
 
@@ -158,7 +158,7 @@ impl Nearest<'_, '_, '_, '_, '_> {
             between,
             apart: gap_um,
             needed: facts.clearance_um,
-            within: self.tolerance_um,
+            error_bound: self.tolerance_um,
             unit: GapUnit::Micrometres,
             t_ns: train.leg.train_ns.saturating_add(train_ns),
             points: points.map(|point| [point.x, point.y, 0.0]),

@@ -12,16 +12,16 @@ const ROUNDING_V: f64 = 1e-9;
 
 /// The arms of all rows of the table.
 #[derive(Debug, Clone)]
-pub(super) struct Relays<'f> {
+pub(super) struct ArmHysteresis<'f> {
     facts: &'f MicrorobotsFacts,
     /// `None` for an arm that may be up or down.
     pub arms: Vec<Option<Arm>>,
 }
 
-impl<'f> Relays<'f> {
+impl<'f> ArmHysteresis<'f> {
     /// Arms in unknown positions.
-    pub fn new(facts: &'f MicrorobotsFacts) -> Relays<'f> {
-        Relays { facts, arms: vec![None; facts.robots.len()] }
+    pub fn new(facts: &'f MicrorobotsFacts) -> ArmHysteresis<'f> {
+        ArmHysteresis { facts, arms: vec![None; facts.robots.len()] }
     }
 
     /// Applies a level that lasts long enough for the arms to follow it.

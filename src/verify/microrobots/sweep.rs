@@ -15,21 +15,21 @@ const RESOLUTION_UM: f64 = 5e-4;
 pub(super) const ROUNDING_UM: f64 = 1e-6;
 
 /// Greatest number of evaluations in one run before the verifier gives up on it.
-const MAX_LOOKS: u64 = 1 << 24;
+const MAX_EVALUATIONS: u64 = 1 << 24;
 
 /// The remaining evaluations.
 #[derive(Debug)]
-pub(super) struct Looks(u64);
+pub(super) struct Evaluations(u64);
 
-impl Default for Looks {
-    fn default() -> Looks {
-        Looks(MAX_LOOKS)
+impl Default for Evaluations {
+    fn default() -> Evaluations {
+        Evaluations(MAX_EVALUATIONS)
     }
 }
 
 /// The run cannot be judged in a reasonable time.
 #[derive(Debug)]
-pub(super) struct Endless;
+pub(super) struct BudgetExceeded;
 
 /// A point of a path, as a fraction of it, where the distance is too small, with that distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,10 +53,15 @@ impl<G: Fn(f64) -> f64, F: Fn([f64; 2]) -> f64> SweptGap<G, F> {
     ///
     /// # Errors
     /// If all evaluations are used up, or the path is so long that bisection reaches the resolution of a double.
-    pub fn below(&self, span: [f64; 2], needed_um: f64, looks: &mut Looks) -> Result<Option<SweptTouch>, Endless> {
+    pub fn below(
+        &self,
+        span: [f64; 2],
+        needed_um: f64,
+        evaluations: &mut Evaluations,
+    ) -> Result<Option<SweptTouch>, BudgetExceeded> {
         let mut open = vec![span];
         while let Some([from, to]) = open.pop() {
-            looks.0 = looks.0.checked_sub(1).ok_or(Endless)?;
+            evaluations.0 = evaluations.0.checked_sub(1).ok_or(BudgetExceeded)?;
             if (self.floor)([from, to]) >= needed_um {
                 continue;
             }
@@ -68,7 +73,7 @@ impl<G: Fn(f64) -> f64, F: Fn([f64; 2]) -> f64> SweptGap<G, F> {
             let lost_um = self.travel_um * (to - from) / 2.0;
             if gap_um - lost_um < needed_um && lost_um > RESOLUTION_UM {
                 if share <= from || to <= share {
-                    return Err(Endless);
+                    return Err(BudgetExceeded);
                 }
                 open.extend([[share, to], [from, share]]);
             }

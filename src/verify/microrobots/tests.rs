@@ -1,9 +1,9 @@
 //! Unit tests of the replay's modules, each compared with a simpler method.
 
 use super::bodies::JudgedBody;
-use super::motion::{Ride, RobotPlace, turn_between};
-use super::relay::Relays;
-use super::sweep::{Looks, SweptGap};
+use super::motion::{RobotPlace, TrainMotion, turn_between};
+use super::relay::ArmHysteresis;
+use super::sweep::{Evaluations, SweptGap};
 use crate::device::microrobots::{Arm, MicrorobotsFacts, Robot, Turning, fixture};
 use crate::geometry::Pose;
 use crate::geometry::distance::quadrilateral_core;
@@ -41,22 +41,22 @@ proptest! {
     ) {
         let robot = robot([snap_down_v, snap_down_v - gap_v], Turning::Clockwise);
         let facts = MicrorobotsFacts { margin_v, ..fixture::facts(vec![robot.clone()]) };
-        let mut relays = Relays::new(&facts);
-        levels.iter().for_each(|level_v| relays.visit(*level_v));
+        let mut hysteresis = ArmHysteresis::new(&facts);
+        levels.iter().for_each(|level_v| hysteresis.visit(*level_v));
         let ends = extremes(&robot, margin_v, &levels);
         let agreed = ends.iter().all(|arm| *arm == ends[0]).then_some(ends[0]);
-        if relays.arms[0].is_some() {
-            prop_assert_eq!(relays.arms[0], agreed);
+        if hysteresis.arms[0].is_some() {
+            prop_assert_eq!(hysteresis.arms[0], agreed);
         } else if gap_v > 2.0 * margin_v {
             prop_assert_eq!(agreed, None);
         }
-        prop_assert_eq!(relays.unknown().is_none(), relays.arms[0].is_some());
+        prop_assert_eq!(hysteresis.unknown().is_none(), hysteresis.arms[0].is_some());
     }
 
     #[test]
     fn ways_are_those_of_the_usual_coordinates(
         (x_um, y_um, heading_rad) in (-1e3..1e3f64, -1e3..1e3f64, -7.0..7.0f64),
-        way_um in 0.0..3000.0f64,
+        path_um in 0.0..3000.0f64,
         is_left: bool,
         is_down: bool,
     ) {
@@ -64,8 +64,8 @@ proptest! {
         let robot = robot([100.0, 20.0], turning);
         let pose = Pose { x_um, y_um, heading_rad };
         let (arm, curve_um) = if is_down { (Arm::Down, Some(super::curve_um(&robot))) } else { (Arm::Up, None) };
-        let moved = RobotPlace::of(&pose).driven(curve_um, way_um);
-        let expected = robot.moved(pose, arm, way_um);
+        let moved = RobotPlace::of(&pose).driven(curve_um, path_um);
+        let expected = robot.moved(pose, arm, path_um);
         prop_assert!(super::near(&moved.recorded(), &RecordedPose::from(expected)));
         let [off_um, off_rad] = moved.off(&expected);
         prop_assert!(off_um < 1e-9 && off_rad < 1e-9, "{off_um} {off_rad}");
@@ -100,26 +100,26 @@ proptest! {
 
     #[test]
     fn bounds_of_a_ride_hold(
-        (theta_rad, way_um, curve) in (0.0..7.0f64, 0.0..2000.0f64, prop::option::of(any::<bool>())),
+        (theta_rad, path_um, curve) in (0.0..7.0f64, 0.0..2000.0f64, prop::option::of(any::<bool>())),
         shares in [0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64],
     ) {
         let curve_um = curve.map(|is_left| if is_left { -90.0 } else { 140.0 });
         let start = RobotPlace { at: Point2::new(3.0, 4.0), theta_rad };
-        let ride = Ride { start, curve_um, way_um, half_um: [120.0, 30.0] };
+        let motion = TrainMotion { start, curve_um, path_um, half_um: [120.0, 30.0] };
         let mut shares = shares;
         shares.sort_by(f64::total_cmp);
-        let (centre, radius_um) = ride.disc([shares[0], shares[2]]);
-        for (from, to) in ride.body(shares[1]).vertices().iter().zip(ride.body(shares[2]).vertices()) {
+        let (centre, radius_um) = motion.disc([shares[0], shares[2]]);
+        for (from, to) in motion.body(shares[1]).vertices().iter().zip(motion.body(shares[2]).vertices()) {
             prop_assert!((from - centre).norm() <= radius_um + 1e-9);
-            prop_assert!((from - to).norm() <= ride.travel_um() * (shares[2] - shares[1]) + 1e-9);
+            prop_assert!((from - to).norm() <= motion.travel_um() * (shares[2] - shares[1]) + 1e-9);
         }
-        let (once, part) = ride.once_round();
-        prop_assert!((once.way_um - part * way_um).abs() < 1e-9);
+        let (once, part) = motion.first_turn();
+        prop_assert!((once.path_um - part * path_um).abs() < 1e-9);
         if let Some(curve_um) = curve_um {
-            prop_assert!(once.way_um <= TAU * curve_um.abs());
-            let corner = ride.body(shares[1]).vertices().map(|corner| (corner - start.centre(curve_um)).norm());
+            prop_assert!(once.path_um <= TAU * curve_um.abs());
+            let corner = motion.body(shares[1]).vertices().map(|corner| (corner - start.centre(curve_um)).norm());
             let farthest = corner.into_iter().fold(0.0, f64::max);
-            prop_assert!((farthest - ride.disc_radius_um(curve_um)).abs() < 1e-9);
+            prop_assert!((farthest - motion.disc_radius_um(curve_um)).abs() < 1e-9);
         }
     }
 
@@ -133,7 +133,7 @@ proptest! {
             floor: |_| f64::NEG_INFINITY,
             travel_um: slope,
         };
-        let found = gap.below([0.0, 1.0], 5.0, &mut Looks::default()).expect("looks enough");
+        let found = gap.below([0.0, 1.0], 5.0, &mut Evaluations::default()).expect("enough evaluations");
         prop_assert_eq!(found.is_some(), deep > 0.0);
         if let Some(touch) = found {
             prop_assert!(touch.gap_um < 5.0 && (touch.share - at).abs() <= 1e-3);

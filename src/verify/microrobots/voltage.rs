@@ -6,7 +6,7 @@
 
 use super::super::clock::JudgedRun;
 use super::super::rule::{Findings, Rule, Violation, ms};
-use super::relay::Relays;
+use super::relay::ArmHysteresis;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::Arm;
 use crate::schedule::{Actuation, Swing};
@@ -36,7 +36,7 @@ pub(super) fn legs(
     let mut bed = DrivenBed {
         run,
         order,
-        relays: Relays::new(&order.facts),
+        hysteresis: ArmHysteresis::new(&order.facts),
         controls: states.map(|(index, state)| (state.arms.as_slice(), index)).collect(),
     };
     let mut actuations = run.actuations.as_slice();
@@ -63,7 +63,7 @@ pub(super) fn legs(
 struct DrivenBed<'r, 'a> {
     run: &'r JudgedRun<'a>,
     order: &'r MicrorobotsOrder,
-    relays: Relays<'r>,
+    hysteresis: ArmHysteresis<'r>,
     /// Index of the first control state with each pattern of arms.
     controls: FxHashMap<&'r [Arm], usize>,
 }
@@ -75,9 +75,9 @@ impl DrivenBed<'_, '_> {
 
     /// Sets the bed to 0 V, which must bring all arms up.
     fn rest(&mut self, time_ns: u64, nth: Option<usize>) -> Result<(), Violation> {
-        self.run.tally.asked(Rule::Arm, self.relays.arms.len());
-        self.relays.visit(0.0);
-        let Some(row) = self.relays.not_up() else { return Ok(()) };
+        self.run.tally.count_checks(Rule::Arm, self.hysteresis.arms.len());
+        self.hysteresis.visit(0.0);
+        let Some(row) = self.hysteresis.not_up() else { return Ok(()) };
         let title = format!("the arm of `{}` may stay down at 0 V, at {}", self.name(row), ms(time_ns));
         Err(match nth {
             Some(nth) => self.run.violation(Rule::Arm, nth, time_ns, title),
@@ -121,7 +121,7 @@ impl DrivenBed<'_, '_> {
             }
         }
         self.gap(nth, due_ns, step.end_ns(), findings);
-        self.run.tally.asked(Rule::Train, 1);
+        self.run.tally.count_checks(Rule::Train, 1);
         if let Some(cycle_ns) = cycle_ns {
             let title = format!("a control cycle from {} on is not followed by strokes", ms(cycle_ns));
             return Err(self.run.violation(Rule::Train, nth, cycle_ns, title));
@@ -131,18 +131,18 @@ impl DrivenBed<'_, '_> {
 
     /// No time is lost between the actuations of a step; if it is, the bed is at 0 V.
     fn gap(&mut self, nth: usize, from_ns: u64, to_ns: u64, findings: &mut Findings) {
-        findings.asked(Rule::Idle, 1);
+        findings.count_checks(Rule::Idle, 1);
         if from_ns == to_ns {
             return;
         }
-        self.relays.visit(0.0);
+        self.hysteresis.visit(0.0);
         let title = format!("the bed is without voltage from {} to {}, within a step", ms(from_ns), ms(to_ns));
         findings.push(self.run.violation(Rule::Idle, nth, from_ns, title));
     }
 
     /// Checks and applies a level of a control cycle.
     fn level(&mut self, nth: usize, actuation: &Actuation) -> Result<(), Violation> {
-        self.run.tally.asked(Rule::Level, 1);
+        self.run.tally.count_checks(Rule::Level, 1);
         let Actuation { start_ns, duration_ns, from, to, .. } = *actuation;
         let (max_v, dwell_ns) = (self.order.facts.max_v, self.order.facts.dwell_ns);
         let at = ms(start_ns);
@@ -154,7 +154,7 @@ impl DrivenBed<'_, '_> {
             let (lasts, due) = (ms(duration_ns), ms(dwell_ns));
             format!("the bed is at {from} V for {lasts} at {at}; at least {due} is needed")
         } else {
-            self.relays.visit(from);
+            self.hysteresis.visit(from);
             return Ok(());
         };
         Err(self.run.violation(Rule::Level, nth, start_ns, title))
@@ -169,9 +169,9 @@ impl DrivenBed<'_, '_> {
         cycle_ns: Option<u64>,
     ) -> Result<VoltageLeg, Violation> {
         let facts = &self.order.facts;
-        self.run.tally.asked(Rule::Train, 1);
-        self.run.tally.asked(Rule::Arm, self.relays.arms.len());
-        self.run.tally.asked(Rule::Control, 1);
+        self.run.tally.count_checks(Rule::Train, 1);
+        self.run.tally.count_checks(Rule::Arm, self.hysteresis.arms.len());
+        self.run.tally.count_checks(Rule::Control, 1);
         let train_ns = actuation.start_ns;
         let at = ms(train_ns);
         let due = Swing { period_ns: facts.period_ns, levels: [facts.flex_v, facts.relax_v] };
@@ -185,12 +185,12 @@ impl DrivenBed<'_, '_> {
             let title = format!("the strokes at {at} do not follow a control cycle");
             return Err(self.run.violation(Rule::Train, nth, train_ns, title));
         };
-        if let Some(row) = self.relays.unknown() {
+        if let Some(row) = self.hysteresis.unknown() {
             let title = format!("the arm of `{}` may be up or down when strokes begin at {at}", self.name(row));
             return Err(self.run.violation(Rule::Arm, nth, train_ns, title));
         }
         for level_v in swing.levels {
-            if let Some(row) = self.relays.moved_by(level_v) {
+            if let Some(row) = self.hysteresis.moved_by(level_v) {
                 let title = format!("a stroke to {level_v} V at {at} may move the arm of `{}`", self.name(row));
                 return Err(self.run.violation(Rule::Arm, nth, train_ns, title));
             }
@@ -201,7 +201,7 @@ impl DrivenBed<'_, '_> {
 
     /// The control state of the claims with the present arm positions.
     fn control(&self, nth: usize, train_ns: u64) -> Result<usize, Violation> {
-        let arms: Vec<Arm> = self.relays.arms.iter().flatten().copied().collect();
+        let arms: Vec<Arm> = self.hysteresis.arms.iter().flatten().copied().collect();
         self.controls.get(arms.as_slice()).copied().ok_or_else(|| {
             let digits: String = arms.iter().map(|arm| char::from(b'0' + arm.digit())).collect();
             let title =

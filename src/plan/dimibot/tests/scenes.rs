@@ -168,19 +168,19 @@ fn the_blame_opens_a_path_and_nothing_smaller_does() {
             let oracle = Oracle { lattice, obstacles: &obstacles };
             oracle.cost(start, goal, |_| 1).is_some()
         };
-        let Some(why) = why(&field, &obstacles, start, goal, SearchBudget::DEFAULT) else {
+        let Some(found) = blame(&field, &obstacles, start, goal, SearchBudget::DEFAULT) else {
             assert!(without(&[]));
             continue;
         };
-        assert!(!without(&[]) && without(&why.obstacles), "{why:?}");
-        for skip in &why.obstacles {
-            let fewer: Vec<usize> = why.obstacles.iter().copied().filter(|k| k != skip).collect();
-            assert!(!without(&fewer), "{why:?} does not need {skip}");
+        assert!(!without(&[]) && without(&found.obstacles), "{found:?}");
+        for skip in &found.obstacles {
+            let fewer: Vec<usize> = found.obstacles.iter().copied().filter(|k| k != skip).collect();
+            assert!(!without(&fewer), "{found:?} does not need {skip}");
         }
         let single = (0..obstacles.len()).any(|k| without(&[k]));
-        assert_eq!(single, why.obstacles.len() == 1);
-        by_size[why.obstacles.len().min(4) - 1] += 1;
-        smallest += usize::from(why.opening == Opening::Smallest);
+        assert_eq!(single, found.obstacles.len() == 1);
+        by_size[found.obstacles.len().min(4) - 1] += 1;
+        smallest += usize::from(found.opening == Opening::Smallest);
     }
     assert!(by_size[0] > 100 && by_size[1] > 50 && by_size[2] > 5, "{by_size:?} {smallest}");
 }

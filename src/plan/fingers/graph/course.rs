@@ -5,14 +5,14 @@ use super::strands::{AngleMask, Strands, below};
 use super::{Grasp, GraspRequest, MAX_NODES, Regrasp, TurnLeg};
 use crate::device::fingers::MAX_FINGERS;
 use crate::plan::fingers::looks::LooksBudget;
-use crate::plan::fingers::mechanics::Lazy;
+use crate::plan::fingers::mechanics::LazyGraspEvaluator;
 use crate::plan::fingers::tables::{ContactBits, Tables};
 use std::rc::Rc;
 use std::sync::Arc;
 
 /// A prepared leg.
 #[derive(Debug)]
-pub struct Sheet {
+pub struct PreparedLeg {
     pub tables: Arc<Tables>,
     pub strands: Rc<Strands>,
     pub contacts: usize,
@@ -25,7 +25,7 @@ pub struct Sheet {
     pub entry: Regrasp,
     pub pin: Option<Grasp>,
     /// See [`TurnLeg::lazy`].
-    pub lazy: Option<Rc<Lazy>>,
+    pub lazy: Option<Rc<LazyGraspEvaluator>>,
     /// The leg's lowest angle.
     lowest: i32,
 }
@@ -34,7 +34,7 @@ pub struct Sheet {
 #[derive(Debug)]
 pub struct PreparedRoute {
     pub sets: Rc<Sets>,
-    pub sheets: Vec<Sheet>,
+    pub legs: Vec<PreparedLeg>,
     /// Limit on reconfigurations, if any.
     pub most_gaits: Option<u32>,
     pub looks: Rc<LooksBudget>,
@@ -56,19 +56,19 @@ pub fn courses(request: &GraspRequest) -> Result<Vec<PreparedRoute>, u64> {
     let mut strands = |tables: &Arc<Tables>| match known.iter().find(|(other, _)| Arc::ptr_eq(other, tables)) {
         Some((_, strands)) => strands.clone(),
         None => {
-            request.within.looks.take(Strands::looks(tables));
+            request.limits.looks.take(Strands::looks(tables));
             let made = Rc::new(Strands::of(tables, angles(tables)));
             known.push((tables.clone(), made.clone()));
             made
         }
     };
     let course = |route: &Vec<TurnLeg>| {
-        let sheets = route.iter().map(|leg| sheet(leg, strands(&leg.tables))).collect();
+        let legs = route.iter().map(|leg| prepare(leg, strands(&leg.tables))).collect();
         PreparedRoute {
             sets: sets.clone(),
-            sheets,
-            most_gaits: request.within.gaits,
-            looks: Rc::clone(&request.within.looks),
+            legs,
+            most_gaits: request.limits.gaits,
+            looks: Rc::clone(&request.limits.looks),
         }
     };
     Ok(request.routes.iter().map(course).collect())
@@ -83,8 +83,8 @@ fn nodes(sets: &Sets, route: &[TurnLeg]) -> u64 {
     if route.len() > MAX_LEGS { u64::MAX } else { route.iter().map(leg).fold(0, u64::saturating_add) }
 }
 
-fn sheet(leg: &TurnLeg, strands: Rc<Strands>) -> Sheet {
-    Sheet {
+fn prepare(leg: &TurnLeg, strands: Rc<Strands>) -> PreparedLeg {
+    PreparedLeg {
         tables: leg.tables.clone(),
         strands,
         contacts: leg.tables.contacts,
@@ -98,7 +98,7 @@ fn sheet(leg: &TurnLeg, strands: Rc<Strands>) -> Sheet {
     }
 }
 
-impl Sheet {
+impl PreparedLeg {
     /// Angles from which three fingers may roll to the next angle.
     #[inline]
     pub fn rolls_three<const N: usize>(&self, phases: [u16; 3]) -> AngleMask<N> {
@@ -172,7 +172,7 @@ impl PreparedRoute {
     /// Index of a pair's chain within its leg.
     #[inline]
     pub fn pair_index(&self, leg: usize, chain: GraspChain) -> usize {
-        self.sets.index(self.sheets[leg].contacts, chain)
+        self.sets.index(self.legs[leg].contacts, chain)
     }
 
     /// Index of the pair that remains without the member of a triple at `place`, as a linear function of the phase of
@@ -188,7 +188,7 @@ impl PreparedRoute {
 
     /// The contact of each member of a node's set.
     pub fn contacts(&self, spot: NodeSpot) -> [usize; 3] {
-        spot.chain.phases.map(|phase| self.sheets[spot.leg].contact(spot.angle, phase))
+        spot.chain.phases.map(|phase| self.legs[spot.leg].contact(spot.angle, phase))
     }
 
     /// The grasp of a node.
@@ -204,12 +204,12 @@ impl PreparedRoute {
     /// The node of a set of fingers on contacts; `None` if they do not hold.
     #[inline]
     pub fn spot(&self, leg: usize, angle: usize, set: u8, contacts: &[usize]) -> Option<NodeSpot> {
-        let sheet = &self.sheets[leg];
+        let prepared = &self.legs[leg];
         let mut phases = [0; 3];
         for (phase, contact) in phases.iter_mut().zip(contacts) {
-            *phase = sheet.phase(angle, *contact);
+            *phase = prepared.phase(angle, *contact);
         }
-        let holds = sheet.holds(angle, contacts) && sheet.bears(angle, contacts);
+        let holds = prepared.holds(angle, contacts) && prepared.bears(angle, contacts);
         holds.then_some(NodeSpot { leg, angle, chain: GraspChain { set, phases } })
     }
 
@@ -218,32 +218,32 @@ impl PreparedRoute {
         let fingers: Vec<usize> = (0..grasp.0.len()).filter(|finger| grasp.0[*finger] != 0).collect();
         let contacts: Vec<usize> = fingers.iter().filter_map(|finger| grasp.contact(*finger)).collect();
         let set = self.sets.find(&fingers)?;
-        let fits = contacts.iter().all(|contact| *contact < self.sheets[leg].contacts);
+        let fits = contacts.iter().all(|contact| *contact < self.legs[leg].contacts);
         if fits { self.spot(leg, angle, set, &contacts) } else { None }
     }
 
     /// Whether the leg's pinned grasp, if any, allows it to end at this node.
     fn may_end(&self, spot: NodeSpot) -> bool {
-        self.sheets[spot.leg].pin.is_none_or(|pin| self.grasp(spot) == pin)
+        self.legs[spot.leg].pin.is_none_or(|pin| self.grasp(spot) == pin)
     }
 
     /// The nodes at which a leg may end, if they are few; `None` if any grasp is allowed.
     pub fn few_ends(&self, leg: usize) -> Option<Vec<NodeSpot>> {
-        let sheet = &self.sheets[leg];
-        if let Some(pin) = &sheet.pin {
-            return Some(self.place(leg, sheet.end, pin).into_iter().collect());
+        let prepared = &self.legs[leg];
+        if let Some(pin) = &prepared.pin {
+            return Some(self.place(leg, prepared.end, pin).into_iter().collect());
         }
-        let Regrasp::Across { old, .. } = self.sheets.get(leg + 1)?.entry else { return None };
+        let Regrasp::Across { old, .. } = self.legs.get(leg + 1)?.entry else { return None };
         let turned = [old, [old[1], old[0]]];
         let pairs = (0..self.sets.len() as u8).filter(|set| self.sets.is_pair(*set));
-        let ends = pairs.flat_map(|set| turned.map(|contacts| self.spot(leg, sheet.end, set, &contacts)));
+        let ends = pairs.flat_map(|set| turned.map(|contacts| self.spot(leg, prepared.end, set, &contacts)));
         Some(ends.flatten().collect())
     }
 
     /// Whether a node of the tables holds under the load.
     pub fn holds(&self, spot: NodeSpot) -> bool {
         let (contacts, count) = self.held(spot);
-        self.sheets[spot.leg].bears(spot.angle, &contacts[..count])
+        self.legs[spot.leg].bears(spot.angle, &contacts[..count])
     }
 
     /// The contacts that the fingers of a node hold, and their number.
@@ -254,7 +254,7 @@ impl PreparedRoute {
 
     /// Number of nodes at an angle of a leg, according to the tables.
     pub fn count(&self, leg: usize, angle: usize) -> u64 {
-        let layer = self.sheets[leg].tables.layer(angle);
+        let layer = self.legs[leg].tables.layer(angle);
         let ones = |bits: &ContactBits| bits.words().iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
         let pairs = self.sets.pairs() as u64;
         pairs * ones(&layer.pair) + (self.sets.len() as u64 - pairs) * ones(&layer.triple)
@@ -263,13 +263,13 @@ impl PreparedRoute {
     /// Whether a node is a goal of the route.
     #[inline]
     pub fn is_goal(&self, spot: NodeSpot) -> bool {
-        spot.leg + 1 == self.sheets.len() && spot.angle == self.sheets[spot.leg].end && self.may_end(spot)
+        spot.leg + 1 == self.legs.len() && spot.angle == self.legs[spot.leg].end && self.may_end(spot)
     }
 
     /// The node at the start of the next leg that corresponds to this end of a leg.
     pub fn next(&self, spot: NodeSpot) -> Option<NodeSpot> {
-        let next = self.sheets.get(spot.leg + 1)?;
-        if spot.angle != self.sheets[spot.leg].end || !self.may_end(spot) {
+        let next = self.legs.get(spot.leg + 1)?;
+        if spot.angle != self.legs[spot.leg].end || !self.may_end(spot) {
             return None;
         }
         let contacts = self.contacts(spot);
@@ -282,13 +282,13 @@ impl PreparedRoute {
 
     /// The node at the end of the previous leg that corresponds to this start of a leg.
     pub fn previous(&self, spot: NodeSpot) -> Option<NodeSpot> {
-        let sheet = &self.sheets[spot.leg];
+        let prepared = &self.legs[spot.leg];
         let leg = spot.leg.checked_sub(1)?;
-        if spot.angle != sheet.start {
+        if spot.angle != prepared.start {
             return None;
         }
-        let (contacts, set, angle) = (self.contacts(spot), spot.chain.set, self.sheets[leg].end);
-        let found = match sheet.entry {
+        let (contacts, set, angle) = (self.contacts(spot), spot.chain.set, self.legs[leg].end);
+        let found = match prepared.entry {
             Regrasp::Same => self.kept(set, contacts, leg, angle),
             Regrasp::Across { old, new } => self.crossed(set, contacts, [new, old], leg, angle),
         };
@@ -298,7 +298,7 @@ impl PreparedRoute {
     /// The same grasp in another leg.
     fn kept(&self, set: u8, contacts: [usize; 3], leg: usize, angle: usize) -> Option<NodeSpot> {
         let contacts = &contacts[..self.sets.members(set).len()];
-        let fits = contacts.iter().all(|contact| *contact < self.sheets[leg].contacts);
+        let fits = contacts.iter().all(|contact| *contact < self.legs[leg].contacts);
         if fits { self.spot(leg, angle, set, contacts) } else { None }
     }
 

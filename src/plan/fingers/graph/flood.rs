@@ -5,7 +5,7 @@
 //! demand from those of the pairs it becomes.
 
 use super::Regrasp;
-use super::course::{PreparedRoute, Sheet};
+use super::course::{PreparedLeg, PreparedRoute};
 use super::layout::{GraspChain, NodeSpot, inserted, removed, wrapped};
 use super::strands::{AngleMask, below, both, except, has, single, spread};
 use rustc_hash::FxHashMap;
@@ -84,7 +84,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
             if direction == Direction::Back && !flood.fields[spot.leg].hands_on && !flood.is_news(spot) {
                 continue;
             }
-            let rolls = course.sheets[spot.leg].rolls_three(spot.chain.phases);
+            let rolls = course.legs[spot.leg].rolls_three(spot.chain.phases);
             flood.part(spot.leg, spot.chain, spread(single(spot.angle), rolls), 1);
         }
         flood
@@ -94,13 +94,13 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
     /// millions.
     pub fn from_all(course: &'a PreparedRoute, direction: Direction, leg: usize, angle: usize) -> Self {
         let mut flood = GraspFlood::dry(course, direction);
-        let sheet = &course.sheets[leg];
-        let contacts = sheet.contacts;
+        let prepared = &course.legs[leg];
+        let contacts = prepared.contacts;
         let phases = || (0..contacts as u16).flat_map(|p| (0..contacts as u16).map(move |q| (p, q)));
         let sets = || (0..course.sets.len() as u8).partition::<Vec<u8>, _>(|set| course.sets.is_pair(*set));
         let (pairs, triples) = sets();
         for (set, (p, q)) in pairs.iter().flat_map(|set| phases().map(move |both| (*set, both))) {
-            if has(&sheet.nodes_of_two::<N>([p, q]), angle) {
+            if has(&prepared.nodes_of_two::<N>([p, q]), angle) {
                 flood.meet(leg, GraspChain { set, phases: [p, q, 0] }, single(angle), 0);
             }
         }
@@ -118,8 +118,8 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
             course.looks.take(contacts as u64);
             for third in 0..contacts as u16 {
                 let spot = NodeSpot { leg, angle, chain: chain(third) };
-                if sheet.holds(angle, &course.contacts(spot)) && (goes_over || flood.is_news(&spot)) {
-                    let rolls = sheet.rolls_three(spot.chain.phases);
+                if prepared.holds(angle, &course.contacts(spot)) && (goes_over || flood.is_news(&spot)) {
+                    let rolls = prepared.rolls_three(spot.chain.phases);
                     flood.part(leg, spot.chain, spread(single(angle), rolls), 1);
                 }
             }
@@ -129,9 +129,9 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
 
     /// A flood without sources.
     fn dry(course: &'a PreparedRoute, direction: Direction) -> Self {
-        let chains = |leg: usize| course.sets.pairs() * course.sheets[leg].contacts.pow(2) * N;
-        course.looks.take((0..course.sheets.len()).map(chains).sum::<usize>() as u64);
-        let fields = (0..course.sheets.len()).map(|leg| ReachedPairs::of(course, leg, direction)).collect();
+        let chains = |leg: usize| course.sets.pairs() * course.legs[leg].contacts.pow(2) * N;
+        course.looks.take((0..course.legs.len()).map(chains).sum::<usize>() as u64);
+        let fields = (0..course.legs.len()).map(|leg| ReachedPairs::of(course, leg, direction)).collect();
         let fronts = [Vec::new(), Vec::new(), Vec::new()];
         GraspFlood { course, direction, fields, fronts, layer: 0, arrives: false, is_seeded: true }
     }
@@ -199,18 +199,18 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         let course = self.course;
         let mut least: Option<u32> = None;
         loop {
-            let sheet = &course.sheets[spot.leg];
-            let segment: AngleMask<N> = spread(single(spot.angle), sheet.rolls_three(spot.chain.phases));
+            let prepared = &course.legs[spot.leg];
+            let segment: AngleMask<N> = spread(single(spot.angle), prepared.rolls_three(spot.chain.phases));
             for place in 0..3 {
                 let ([p, q], third) = removed(spot.chain.phases, place);
-                let head = sheet.strands.head(p);
-                let leaving = sheet.strands.leave.window(sheet.strands.triple(head, [p, q, third]), head.bit);
+                let head = prepared.strands.head(p);
+                let leaving = prepared.strands.leave.window(prepared.strands.triple(head, [p, q, third]), head.bit);
                 let chain = GraspChain { set: course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
                 let layer = self.fields[spot.leg].least(course.pair_index(spot.leg, chain), both(leaving, segment));
                 least = least.into_iter().chain(layer.map(|layer| layer + 1)).min();
             }
-            let border = NodeSpot { angle: sheet.end, ..spot };
-            if !has(&segment, sheet.end) {
+            let border = NodeSpot { angle: prepared.end, ..spot };
+            if !has(&segment, prepared.end) {
                 return least;
             }
             if course.is_goal(border) {
@@ -227,8 +227,8 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
     fn widen(&mut self, piece: &FloodPiece<N>) {
         let course = self.course;
         let (leg, [p, q, _]) = (piece.leg, piece.chain.phases);
-        let sheet = &course.sheets[leg];
-        let strands = &sheet.strands;
+        let prepared = &course.legs[leg];
+        let strands = &prepared.strands;
         let bits = match self.direction {
             Direction::Onward => &strands.place,
             Direction::Back => &strands.leave,
@@ -245,10 +245,10 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
                 continue;
             }
             let pairs = [0, 1, 2].map(|place| course.pair_steps(leg, chain, place));
-            course.looks.take((sheet.contacts * N) as u64);
+            course.looks.take((prepared.contacts * N) as u64);
             // Cyclic distance from the first contact of the pair to the third; the triples' strands are ordered by it.
-            for two in 0..sheet.contacts {
-                let third = wrapped(usize::from(p) + two, sheet.contacts);
+            for two in 0..prepared.contacts {
+                let third = wrapped(usize::from(p) + two, prepared.contacts);
                 let field = &self.fields[leg];
                 let open = pairs.iter().any(|(from, step)| field.open[from + third * step] != [0; N]);
                 if !open && !goes_over {
@@ -256,7 +256,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
                 }
                 let coming = both(bits.window(row + two, head.bit), piece.mask);
                 if coming != [0; N] {
-                    let rolls = sheet.rolling(strands.roll_triple.window(row + two, head.bit));
+                    let rolls = prepared.rolling(strands.roll_triple.window(row + two, head.bit));
                     self.part(leg, chain(third as u16), spread(coming, rolls), layer);
                 }
             }
@@ -265,7 +265,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
 
     /// Whether the angles that triples reach are needed: only in a flood from the start, until all angles are reached.
     fn wants_angles(&self, leg: usize) -> bool {
-        let all = below([u64::MAX; N], self.course.sheets[leg].angles);
+        let all = below([u64::MAX; N], self.course.legs[leg].angles);
         self.direction == Direction::Onward && self.fields[leg].angles != all
     }
 
@@ -289,7 +289,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
                 let member = if fixed > without { fixed - 1 } else { fixed };
                 let set = usize::from(course.sets.without(triple.set, without));
                 let phase = usize::from(triple.phases[fixed]);
-                field.left[(set * 2 + member) * course.sheets[leg].contacts + phase] > 0
+                field.left[(set * 2 + member) * course.legs[leg].contacts + phase] > 0
             })
     }
 
@@ -299,7 +299,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
         let course = self.course;
         loop {
             course.looks.take(TRIPLE_LOOKS * N as u64);
-            let strands = &course.sheets[leg].strands;
+            let strands = &course.legs[leg].strands;
             let bits = match self.direction {
                 Direction::Onward => &strands.leave,
                 Direction::Back => &strands.place,
@@ -316,7 +316,7 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
             let beyond = if self.fields[leg].hands_on { self.beyond(leg, chain, mask) } else { None };
             let Some(spot) = beyond else { return };
             (leg, chain) = (spot.leg, spot.chain);
-            mask = spread(single(spot.angle), course.sheets[leg].rolls_three(chain.phases));
+            mask = spread(single(spot.angle), course.legs[leg].rolls_three(chain.phases));
         }
     }
 
@@ -331,13 +331,13 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
                 return;
             }
             let [p, q, _] = chain.phases;
-            let mask = spread(fresh, course.sheets[leg].rolls_two([p, q]));
-            field.take(index, mask, course.sheets[leg].nodes_of_two([p, q]), layer);
+            let mask = spread(fresh, course.legs[leg].rolls_two([p, q]));
+            field.take(index, mask, course.legs[leg].nodes_of_two([p, q]), layer);
             if field.open[index] == [0; N] {
-                field.close(chain, course.sheets[leg].contacts);
+                field.close(chain, course.legs[leg].contacts);
             }
             self.fronts[(layer - self.layer) as usize].push(FloodPiece { leg, chain, mask });
-            self.arrives |= leg == 0 && has(&mask, course.sheets[0].start);
+            self.arrives |= leg == 0 && has(&mask, course.legs[0].start);
             let Some(spot) = self.beyond(leg, chain, mask) else { return };
             (leg, chain, nodes) = (spot.leg, spot.chain, single(spot.angle));
         }
@@ -345,10 +345,10 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
 
     /// Continuation of a chain in the neighbouring leg, if a part of it touches the border.
     fn beyond(&self, leg: usize, chain: GraspChain, mask: AngleMask<N>) -> Option<NodeSpot> {
-        let sheet = &self.course.sheets[leg];
+        let prepared = &self.course.legs[leg];
         let angle = match self.direction {
-            Direction::Onward => sheet.end,
-            Direction::Back => sheet.start,
+            Direction::Onward => prepared.end,
+            Direction::Back => prepared.start,
         };
         if !has(&mask, angle) {
             return None;
@@ -362,20 +362,21 @@ impl<'a, const N: usize> GraspFlood<'a, N> {
 
 impl<const N: usize> ReachedPairs<N> {
     fn of(course: &PreparedRoute, leg: usize, direction: Direction) -> Self {
-        let sheet: &Sheet = &course.sheets[leg];
+        let prepared: &PreparedLeg = &course.legs[leg];
         let border = match direction {
-            Direction::Onward => course.sheets.get(leg + 1),
-            Direction::Back => (leg > 0).then_some(sheet),
+            Direction::Onward => course.legs.get(leg + 1),
+            Direction::Back => (leg > 0).then_some(prepared),
         };
-        let count = course.sets.pairs() * sheet.contacts.pow(2);
+        let count = course.sets.pairs() * prepared.contacts.pow(2);
         let node = |index: usize| {
-            let phases = [index / sheet.contacts % sheet.contacts, index % sheet.contacts].map(|phase| phase as u16);
-            sheet.nodes_of_two(phases)
+            let phases =
+                [index / prepared.contacts % prepared.contacts, index % prepared.contacts].map(|phase| phase as u16);
+            prepared.nodes_of_two(phases)
         };
         let open: Vec<AngleMask<N>> = (0..count).map(node).collect();
-        let mut left = vec![0; course.sets.pairs() * 2 * sheet.contacts];
+        let mut left = vec![0; course.sets.pairs() * 2 * prepared.contacts];
         for index in (0..count).filter(|index| open[*index] != [0; N]) {
-            let [first, second] = members(course.sets.chain(sheet.contacts, index), sheet.contacts);
+            let [first, second] = members(course.sets.chain(prepared.contacts, index), prepared.contacts);
             left[first] += 1;
             left[second] += 1;
         }
@@ -385,7 +386,7 @@ impl<const N: usize> ReachedPairs<N> {
             first: vec![0; count],
             pieces: FxHashMap::default(),
             angles: [0; N],
-            hands_on: border.is_some_and(|sheet| sheet.entry == Regrasp::Same),
+            hands_on: border.is_some_and(|prepared| prepared.entry == Regrasp::Same),
         }
     }
 

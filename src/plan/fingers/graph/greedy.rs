@@ -5,7 +5,9 @@
 //! next leg may have no path from that end.
 
 use super::route::{bound, cheapest_of_few};
-use super::{Estimator, FarthestRoute, Grasp, GraspAnswer, GraspPath, GraspRequest, Regrasp, Start, TurnLeg, Within};
+use super::{
+    Estimator, FarthestRoute, Grasp, GraspAnswer, GraspPath, GraspRequest, GraspSearchLimits, Regrasp, Start, TurnLeg,
+};
 use crate::device::fingers::MAX_FINGERS;
 use crate::plan::search::{Meter, SearchBudget};
 use std::rc::Rc;
@@ -23,7 +25,7 @@ pub fn decompose(request: &GraspRequest, estimator: Estimator, budget: SearchBud
             }
             GraspAnswer::Found(way) => {
                 let one = GraspRequest {
-                    within: Within { gaits: None, looks: Rc::clone(&request.within.looks) },
+                    limits: GraspSearchLimits { gaits: None, looks: Rc::clone(&request.limits.looks) },
                     ..request.clone()
                 };
                 return GraspAnswer::Found(GraspPath { bound: bound(&one).unwrap_or(0).min(way.cost), ..way });
@@ -42,8 +44,8 @@ fn by_legs(request: &GraspRequest, route: usize, estimator: Estimator, meter: &m
     let mut start = request.start;
     for (at, leg) in legs.iter().enumerate() {
         let routes = vec![alone(leg, legs.get(at + 1))];
-        let within = Within { gaits: None, looks: Rc::clone(&request.within.looks) };
-        let alone = GraspRequest { fingers: request.fingers, start, routes, costs: request.costs, within };
+        let limits = GraspSearchLimits { gaits: None, looks: Rc::clone(&request.limits.looks) };
+        let alone = GraspRequest { fingers: request.fingers, start, routes, costs: request.costs, limits };
         let nodes = match cheapest_of_few(&alone, estimator, meter) {
             GraspAnswer::Found(part) => {
                 way.cost += part.cost;

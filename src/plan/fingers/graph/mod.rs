@@ -15,15 +15,15 @@
 //! If the path with the fewest reconfigurations must roll much farther than the turn requires, the estimate is far
 //! below the cost, and many nodes are expanded.
 
-mod apart;
 mod course;
 mod flood;
 mod greedy;
 mod layout;
-mod named;
+mod leg_bounds;
 mod published;
 mod route;
 mod strands;
+mod symmetry;
 #[cfg(test)]
 mod tests;
 mod walk;
@@ -31,7 +31,7 @@ mod weave;
 
 use crate::device::fingers::MAX_FINGERS;
 use crate::plan::fingers::looks::LooksBudget;
-use crate::plan::fingers::mechanics::Lazy;
+use crate::plan::fingers::mechanics::LazyGraspEvaluator;
 use crate::plan::fingers::tables::Tables;
 use crate::plan::search::{GaveUp, Meter, SearchAnswer, SearchBudget};
 use std::rc::Rc;
@@ -96,7 +96,7 @@ pub struct TurnLeg {
     pub end: Option<Grasp>,
     /// Evaluator under a load: it decides which of the grasps, steps and removals in the tables hold. The tables are
     /// then those without the load.
-    pub lazy: Option<Rc<Lazy>>,
+    pub lazy: Option<Rc<LazyGraspEvaluator>>,
 }
 
 impl TurnLeg {
@@ -131,12 +131,12 @@ pub struct GraspRequest {
     /// Alternatives, each a sequence of at least one leg, to be followed from first to last.
     pub routes: Vec<Vec<TurnLeg>>,
     pub costs: GraspCosts,
-    pub within: Within,
+    pub limits: GraspSearchLimits,
 }
 
 /// Limits of a search.
 #[derive(Debug, Clone, Default)]
-pub struct Within {
+pub struct GraspSearchLimits {
     /// Most reconfigurations of a path; `None`: unlimited.
     pub gaits: Option<u32>,
     /// Shared by all searches of a task.
@@ -215,7 +215,9 @@ pub enum GraspSearchEnd {
 ///
 /// A step of the budget is an expanded node; looks of floods and placements are counted separately, by [`LooksBudget`].
 pub fn solve(request: &GraspRequest, estimator: Estimator, budget: SearchBudget) -> GraspAnswer {
-    named::by_few(request, |request| route::cheapest(request, estimator, apart::bounds, &mut Meter::new(budget)))
+    symmetry::with_fewest_fingers(request, |request| {
+        route::cheapest(request, estimator, leg_bounds::bounds, &mut Meter::new(budget))
+    })
 }
 
 /// The first route that is feasible leg by leg: at each junction, the cheapest of the F(F - 1) assignments of two
@@ -224,5 +226,5 @@ pub fn solve(request: &GraspRequest, estimator: Estimator, budget: SearchBudget)
 /// The bound of the path holds for the joint problem. [`GraspAnswer::Impossible`] is no proof here: it reports where the route that
 /// came farthest got stuck. Limits on reconfigurations are ignored.
 pub fn decompose(request: &GraspRequest, estimator: Estimator, budget: SearchBudget) -> GraspAnswer {
-    named::by_few(request, |request| greedy::decompose(request, estimator, budget))
+    symmetry::with_fewest_fingers(request, |request| greedy::decompose(request, estimator, budget))
 }

@@ -38,8 +38,8 @@ pub struct Published<'a> {
 impl<'a> Published<'a> {
     /// Derives the targets of all legs, from the last to the first.
     pub fn of(course: &'a PreparedRoute) -> Self {
-        let mut published = Published { course, goals: vec![None; course.sheets.len()] };
-        for leg in (0..course.sheets.len()).rev() {
+        let mut published = Published { course, goals: vec![None; course.legs.len()] };
+        for leg in (0..course.legs.len()).rev() {
             published.goals[leg] = published.aims(leg);
         }
         published
@@ -47,7 +47,7 @@ impl<'a> Published<'a> {
 
     fn aims(&self, leg: usize) -> Option<Vec<EndGrasp>> {
         let course = self.course;
-        let sheet = &course.sheets[leg];
+        let prepared = &course.legs[leg];
         let goal = |spot: NodeSpot| {
             let rest = if course.is_goal(spot) { 0 } else { self.gaits(course.next(spot)?) };
             Some(EndGrasp { set: spot.chain.set, phases: spot.chain.phases, rest }).filter(|goal| goal.rest != NEVER)
@@ -56,8 +56,8 @@ impl<'a> Published<'a> {
             return Some(ends.into_iter().filter_map(goal).collect());
         }
         // The next leg is in the same plane. Converts one of its phases to this leg: the contact at the border is the same.
-        let next = course.sheets.get(leg + 1)?;
-        let carried = |phase: u16| sheet.phase(sheet.end, next.contact(next.start, phase));
+        let next = course.legs.get(leg + 1)?;
+        let carried = |phase: u16| prepared.phase(prepared.end, next.contact(next.start, phase));
         let goals = self.goals[leg + 1].as_ref()?.iter();
         Some(goals.map(|goal| EndGrasp { phases: goal.phases.map(carried), ..*goal }).collect())
     }

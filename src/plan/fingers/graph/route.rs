@@ -85,20 +85,20 @@ fn gaits<const N: usize>(course: &PreparedRoute, start: Start) -> u32 {
         return 0;
     }
     let layers = RemainingReconfigurations(flooded::<N>(course, start));
-    let sheet = &course.sheets[0];
+    let prepared = &course.legs[0];
     let mut least = NEVER;
     match start {
-        Start::At(grasp) => course.place(0, sheet.start, &grasp).map_or(NEVER, |spot| layers.gaits(spot)),
+        Start::At(grasp) => course.place(0, prepared.start, &grasp).map_or(NEVER, |spot| layers.gaits(spot)),
         Start::Any => {
-            for number in 0..course.sets.chains(sheet.contacts) as usize {
+            for number in 0..course.sets.chains(prepared.contacts) as usize {
                 course.looks.take(1);
                 if least == 0 || course.looks.are_spent() {
                     return 0;
                 }
-                let chain = course.sets.chain(sheet.contacts, number);
-                let spot = NodeSpot { leg: 0, angle: sheet.start, chain };
+                let chain = course.sets.chain(prepared.contacts, number);
+                let spot = NodeSpot { leg: 0, angle: prepared.start, chain };
                 let held = &course.contacts(spot)[..course.sets.members(chain.set).len()];
-                if sheet.holds(sheet.start, held) {
+                if prepared.holds(prepared.start, held) {
                     course.looks.take(TRIPLE_LOOKS);
                     least = least.min(layers.gaits(spot));
                 }
@@ -131,7 +131,7 @@ struct RouteSearch<'a> {
 
 impl<'a> RouteSearch<'a> {
     fn run<const N: usize>(mut self, estimator: Estimator) -> GraspAnswer {
-        if let Some(route) = self.courses.iter().position(|course| course.sheets.is_empty()) {
+        if let Some(route) = self.courses.iter().position(|course| course.legs.is_empty()) {
             return GraspAnswer::Found(GraspPath { route, cost: 0, bound: 0, legs: Vec::new(), expanded: 0 });
         }
         let bounds = (self.bounds)(self.request, estimator, self.meter);
@@ -146,7 +146,7 @@ impl<'a> RouteSearch<'a> {
             return found;
         }
         // With a limit on reconfigurations, the reach of the routes is not needed.
-        let blocked = match self.request.within.gaits {
+        let blocked = match self.request.limits.gaits {
             Some(_) => FarthestRoute::NOWHERE,
             None => blocked::<N>(self.courses, self.request.start),
         };
@@ -222,7 +222,7 @@ impl<'a> RouteSearch<'a> {
         match self.request.start {
             Start::Any => Some(RouteWalk::anywhere(course, costs, estimate(course))),
             Start::At(grasp) => {
-                let start = course.place(0, course.sheets[0].start, &grasp)?;
+                let start = course.place(0, course.legs[0].start, &grasp)?;
                 Some(RouteWalk::at(course, costs, estimate(course), start))
             }
         }
@@ -241,16 +241,16 @@ fn reduced(costs: GraspCosts) -> GraspCosts {
 
 /// Cost of two fingers that roll all the way.
 fn least(course: &PreparedRoute, costs: GraspCosts) -> u64 {
-    let steps = course.sheets.iter().map(|sheet| sheet.start.abs_diff(sheet.end) as u64);
+    let steps = course.legs.iter().map(|prepared| prepared.start.abs_diff(prepared.end) as u64);
     2 * u64::from(costs.roll) * steps.sum::<u64>()
 }
 
 /// A flood from the goals, run until it reaches the start or is exhausted.
 pub fn flooded<const N: usize>(course: &PreparedRoute, start: Start) -> GraspFlood<'_, N> {
-    let leg = course.sheets.len() - 1;
+    let leg = course.legs.len() - 1;
     let mut flood = match course.few_ends(leg) {
         Some(ends) => GraspFlood::from(course, Direction::Back, &ends),
-        None => GraspFlood::from_all(course, Direction::Back, leg, course.sheets[leg].end),
+        None => GraspFlood::from_all(course, Direction::Back, leg, course.legs[leg].end),
     };
     while !flood.ended() && !flood.stopped() && !arrived(&flood, course, start) {
         flood.deepen();
@@ -263,16 +263,16 @@ fn arrived<const N: usize>(flood: &GraspFlood<N>, course: &PreparedRoute, start:
     match start {
         Start::Any => flood.arrives(),
         Start::At(grasp) => {
-            course.place(0, course.sheets[0].start, &grasp).is_some_and(|spot| flood.layer_of(spot).is_some())
+            course.place(0, course.legs[0].start, &grasp).is_some_and(|spot| flood.layer_of(spot).is_some())
         }
     }
 }
 
 /// The nodes of a path, by leg.
 fn legs(course: &PreparedRoute, way: &[NodeSpot]) -> Vec<Vec<GraspNode>> {
-    let mut legs: Vec<Vec<GraspNode>> = vec![Vec::new(); course.sheets.len()];
+    let mut legs: Vec<Vec<GraspNode>> = vec![Vec::new(); course.legs.len()];
     for spot in way {
-        let angle = spot.angle as i32 - course.sheets[spot.leg].start as i32;
+        let angle = spot.angle as i32 - course.legs[spot.leg].start as i32;
         legs[spot.leg].push(GraspNode { grasp: course.grasp(*spot), angle });
     }
     legs
@@ -293,9 +293,9 @@ fn blocked<const N: usize>(courses: &[PreparedRoute], start: Start) -> FarthestR
 /// The farthest point of a route that has no path.
 fn stuck<const N: usize>(route: usize, course: &PreparedRoute, start: Start) -> FarthestRoute {
     let mut flood: GraspFlood<N> = match start {
-        Start::Any => GraspFlood::from_all(course, Direction::Onward, 0, course.sheets[0].start),
+        Start::Any => GraspFlood::from_all(course, Direction::Onward, 0, course.legs[0].start),
         Start::At(grasp) => {
-            let spot = course.place(0, course.sheets[0].start, &grasp);
+            let spot = course.place(0, course.legs[0].start, &grasp);
             GraspFlood::from(course, Direction::Onward, spot.as_slice())
         }
     };
@@ -303,18 +303,19 @@ fn stuck<const N: usize>(route: usize, course: &PreparedRoute, start: Start) -> 
         flood.deepen();
     }
     // The last leg that can begin is the one whose end is unreachable.
-    let is_begun = |leg: &usize| has(&flood.angles(*leg), course.sheets[*leg].start);
-    let leg = (0..course.sheets.len()).rev().find(is_begun).unwrap_or(0);
-    let sheet = &course.sheets[leg];
-    let reached = (0..sheet.angles).filter(|angle| has(&flood.angles(leg), *angle));
-    let farthest = reached.min_by_key(|angle| angle.abs_diff(sheet.end)).map(|angle| angle as i32 - sheet.start as i32);
+    let is_begun = |leg: &usize| has(&flood.angles(*leg), course.legs[*leg].start);
+    let leg = (0..course.legs.len()).rev().find(is_begun).unwrap_or(0);
+    let prepared = &course.legs[leg];
+    let reached = (0..prepared.angles).filter(|angle| has(&flood.angles(leg), *angle));
+    let farthest =
+        reached.min_by_key(|angle| angle.abs_diff(prepared.end)).map(|angle| angle as i32 - prepared.start as i32);
     let may_end = |spot: &NodeSpot| course.is_goal(*spot) || course.next(*spot).is_some();
     let ends = match course.few_ends(leg) {
         Some(ends) => ends.iter().filter(|spot| may_end(spot)).count() as u64,
-        None => course.count(leg, sheet.end),
+        None => course.count(leg, prepared.end),
     };
     // Under a load the tables are optimistic.
-    let is_known = !flood.stopped() && course.sheets.iter().all(|sheet| sheet.lazy.is_none());
+    let is_known = !flood.stopped() && course.legs.iter().all(|prepared| prepared.lazy.is_none());
     // If any grasp may start, one is assumed to hold unless it was proven that none does.
     let farthest = farthest.or((start == Start::Any && !is_known).then_some(0));
     FarthestRoute { route, leg, farthest, ends, is_known }

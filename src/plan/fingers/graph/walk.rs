@@ -9,7 +9,7 @@
 //! With a limit on reconfigurations, a node is kept once per number of them (labels of two costs, as in BOA*, Hernández and others
 //! 2023): since nodes are expanded in order of cost, one with no fewer than an earlier one is dominated.
 //!
-//! Placements are expanded partially: those that do not raise the estimated cost are generated at once, the rest when
+//! Placements are expanded partially: those that do not increase the estimated cost are generated at once, the rest when
 //! their own estimated cost is the least.
 
 use super::course::PreparedRoute;
@@ -94,12 +94,12 @@ struct WalkRecord {
 /// Parent of a root.
 const NO_PARENT: u32 = u32::MAX;
 
-/// Queue entry: a record at a cost, and the least raise of the estimated cost by its placements not yet generated.
+/// Queue entry: a record at a cost, and the least increase of the estimated cost by its placements not yet generated.
 #[derive(Debug, Clone, Copy)]
 struct WalkEntry {
     record: u32,
     cost: u64,
-    raise: u64,
+    estimate_increase: u64,
 }
 
 /// The starts not yet generated, if any grasp may start.
@@ -134,7 +134,7 @@ pub struct RouteWalk<'a, E> {
 }
 
 /// Queue entry that represents the remaining starts.
-const STARTS: WalkEntry = WalkEntry { record: u32::MAX, cost: 0, raise: 0 };
+const STARTS: WalkEntry = WalkEntry { record: u32::MAX, cost: 0, estimate_increase: 0 };
 
 impl<'a, E: Estimate> RouteWalk<'a, E> {
     /// A walk from one node.
@@ -152,8 +152,8 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
     }
 
     fn new(course: &'a PreparedRoute, costs: RankedEntry, estimate: E) -> Self {
-        let steps = |leg: usize| course.sheets[leg].start.abs_diff(course.sheets[leg].end) as u64;
-        let behind = (0..course.sheets.len()).map(|leg| (leg + 1..course.sheets.len()).map(steps).sum()).collect();
+        let steps = |leg: usize| course.legs[leg].start.abs_diff(course.legs[leg].end) as u64;
+        let behind = (0..course.legs.len()).map(|leg| (leg + 1..course.legs.len()).map(steps).sum()).collect();
         let (known, expanded, open) = (FxHashMap::default(), FxHashMap::default(), BTreeMap::new());
         RouteWalk {
             course,
@@ -190,10 +190,10 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
                 continue;
             }
             let spot = NodeSpot::unpack(record.spot);
-            if entry.raise == 0 && (self.is_covered(record) || !self.is_due(spot, key.1, entry)) {
+            if entry.estimate_increase == 0 && (self.is_covered(record) || !self.is_due(spot, key.1, entry)) {
                 continue;
             }
-            if entry.raise == 0 && self.course.is_goal(spot) {
+            if entry.estimate_increase == 0 && self.course.is_goal(spot) {
                 self.goal = Some(entry.record);
                 return WalkProgress::Found(entry.cost);
             }
@@ -201,7 +201,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
                 self.open.entry(key).or_default().push(entry);
                 return WalkProgress::Spent(key.0);
             }
-            if self.course.most_gaits.is_some() && entry.raise == 0 {
+            if self.course.most_gaits.is_some() && entry.estimate_increase == 0 {
                 self.expanded.insert(record.spot, gaits_of(entry.cost));
             }
             let (estimated, to_go) = key;
@@ -243,7 +243,7 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
     #[inline]
     fn to_go(&self, spot: NodeSpot, cost: u64) -> Option<u64> {
         let gaits = self.estimate.gaits(spot);
-        let steps = self.course.sheets[spot.leg].end.abs_diff(spot.angle) as u64 + self.behind[spot.leg];
+        let steps = self.course.legs[spot.leg].end.abs_diff(spot.angle) as u64 + self.behind[spot.leg];
         let rolling = 2 * self.costs.roll * steps;
         let is_within =
             gaits != NEVER && self.course.most_gaits.is_none_or(|most| gaits.saturating_add(gaits_of(cost)) <= most);
@@ -264,14 +264,14 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         } else {
             self.records[record as usize] = WalkRecord { spot: number, cost, parent };
         }
-        self.open.entry((cost + to_go, to_go)).or_default().push(WalkEntry { record, cost, raise: 0 });
+        self.open.entry((cost + to_go, to_go)).or_default().push(WalkEntry { record, cost, estimate_increase: 0 });
     }
 
-    /// Generates the neighbours; of the many placements only those with the entry's raise, and queues the node again for those with
+    /// Generates the neighbours; of the many placements only those with the entry's increase, and queues the node again for those with
     /// a larger one.
     fn expand(&mut self, spot: NodeSpot, entry: WalkEntry, estimated: u64, to_go: u64) {
         self.course.looks.take(4 * LOOKS);
-        if entry.raise == 0 {
+        if entry.estimate_increase == 0 {
             self.roll(spot, entry);
             if let Some(next) = self.course.next(spot) {
                 self.meet(next, entry.cost, entry.record);
@@ -280,43 +280,43 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         if !self.course.sets.is_pair(spot.chain.set) {
             return self.leave(spot, entry);
         }
-        let mut turn = PlacementTurn { entry, to_go, next: u64::MAX };
-        self.place(spot, &mut turn);
-        if turn.next != u64::MAX {
-            let later = estimated + (turn.next - entry.raise);
-            self.open.entry((later, to_go)).or_default().push(WalkEntry { raise: turn.next, ..entry });
+        let mut expansion = PlacementExpansion { entry, to_go, next: u64::MAX };
+        self.place(spot, &mut expansion);
+        if expansion.next != u64::MAX {
+            let later = estimated + (expansion.next - entry.estimate_increase);
+            self.open.entry((later, to_go)).or_default().push(WalkEntry { estimate_increase: expansion.next, ..entry });
         }
     }
 
     #[inline]
-    fn offer(&mut self, spot: NodeSpot, edge: u64, turn: &mut PlacementTurn) {
-        let Some(to_go) = self.to_go(spot, turn.entry.cost + edge) else { return };
-        let raise = (edge + to_go).saturating_sub(turn.to_go);
-        if raise == turn.entry.raise {
-            if self.course.sheets[spot.leg].lazy.is_some() && !self.course.holds(spot) {
+    fn offer(&mut self, spot: NodeSpot, edge: u64, expansion: &mut PlacementExpansion) {
+        let Some(to_go) = self.to_go(spot, expansion.entry.cost + edge) else { return };
+        let estimate_increase = (edge + to_go).saturating_sub(expansion.to_go);
+        if estimate_increase == expansion.entry.estimate_increase {
+            if self.course.legs[spot.leg].lazy.is_some() && !self.course.holds(spot) {
                 return;
             }
-            self.meet(spot, turn.entry.cost + edge, turn.entry.record);
-        } else if raise > turn.entry.raise {
-            turn.next = turn.next.min(raise);
+            self.meet(spot, expansion.entry.cost + edge, expansion.entry.record);
+        } else if estimate_increase > expansion.entry.estimate_increase {
+            expansion.next = expansion.next.min(estimate_increase);
         }
     }
 
     fn roll(&mut self, spot: NodeSpot, entry: WalkEntry) {
-        let sheet = &self.course.sheets[spot.leg];
+        let prepared = &self.course.legs[spot.leg];
         let phases = spot.chain.phases;
-        let head = sheet.strands.head(phases[0]);
+        let head = prepared.strands.head(phases[0]);
         let (bits, strand, fingers) = if self.course.sets.is_pair(spot.chain.set) {
-            (&sheet.strands.roll_pair, sheet.strands.pair(head, [phases[0], phases[1]]), 2)
+            (&prepared.strands.roll_pair, prepared.strands.pair(head, [phases[0], phases[1]]), 2)
         } else {
-            (&sheet.strands.roll_triple, sheet.strands.triple(head, phases), 3)
+            (&prepared.strands.roll_triple, prepared.strands.triple(head, phases), 3)
         };
         let cost = entry.cost + fingers * self.costs.roll;
-        let up = spot.angle + 1 < sheet.angles && bits.has(strand, head.bit + spot.angle);
+        let up = spot.angle + 1 < prepared.angles && bits.has(strand, head.bit + spot.angle);
         let down = spot.angle > 0 && bits.has(strand, head.bit + spot.angle - 1);
         let bears_on = |angle: usize| {
             let (contacts, count) = self.course.held(NodeSpot { angle, ..spot });
-            sheet.bears_on(angle, &contacts[..count])
+            prepared.bears_on(angle, &contacts[..count])
         };
         let [up, down] = [up && bears_on(spot.angle), down && bears_on(spot.angle - 1)];
         if up {
@@ -327,35 +327,35 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
         }
     }
 
-    fn place(&mut self, spot: NodeSpot, turn: &mut PlacementTurn) {
+    fn place(&mut self, spot: NodeSpot, expansion: &mut PlacementExpansion) {
         let course = self.course;
-        let sheet = &course.sheets[spot.leg];
+        let prepared = &course.legs[spot.leg];
         let [p, q, _] = spot.chain.phases;
-        let head = sheet.strands.head(p);
-        let row = sheet.strands.triple(head, [p, q, p]);
-        course.looks.take(LOOKS * sheet.contacts as u64);
-        for two in 0..sheet.contacts {
-            if !sheet.strands.place.has(row + two, head.bit + spot.angle) {
+        let head = prepared.strands.head(p);
+        let row = prepared.strands.triple(head, [p, q, p]);
+        course.looks.take(LOOKS * prepared.contacts as u64);
+        for two in 0..prepared.contacts {
+            if !prepared.strands.place.has(row + two, head.bit + spot.angle) {
                 continue;
             }
-            let third = wrapped(usize::from(p) + two, sheet.contacts) as u16;
+            let third = wrapped(usize::from(p) + two, prepared.contacts) as u16;
             for (set, place) in course.sets.wider(spot.chain.set) {
                 let chain = GraspChain { set: *set, phases: inserted([p, q], third, *place) };
-                self.offer(NodeSpot { chain, ..spot }, self.costs.gait, turn);
+                self.offer(NodeSpot { chain, ..spot }, self.costs.gait, expansion);
             }
         }
     }
 
     fn leave(&mut self, spot: NodeSpot, entry: WalkEntry) {
         let course = self.course;
-        let strands = &course.sheets[spot.leg].strands;
+        let strands = &course.legs[spot.leg].strands;
         for place in 0..3 {
             let ([p, q], third) = removed(spot.chain.phases, place);
             let head = strands.head(p);
-            let sheet = &course.sheets[spot.leg];
-            let held = [p, q, third].map(|phase| sheet.contact(spot.angle, phase));
+            let prepared = &course.legs[spot.leg];
+            let held = [p, q, third].map(|phase| prepared.contact(spot.angle, phase));
             let may_leave = strands.leave.has(strands.triple(head, [p, q, third]), head.bit + spot.angle);
-            if may_leave && sheet.lets_go(spot.angle, held) {
+            if may_leave && prepared.lets_go(spot.angle, held) {
                 let chain = GraspChain { set: course.sets.without(spot.chain.set, place), phases: [p, q, 0] };
                 self.meet(NodeSpot { chain, ..spot }, entry.cost + self.costs.gait, entry.record);
             }
@@ -371,14 +371,14 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
     }
 
     fn first_steps(&self) -> u64 {
-        self.course.sheets[0].start.abs_diff(self.course.sheets[0].end) as u64
+        self.course.legs[0].start.abs_diff(self.course.legs[0].end) as u64
     }
 
     /// Generates the next start, and queues those after it.
     fn begin(&mut self) {
         let Some(starts) = self.starts.take() else { return };
-        let sheet = &self.course.sheets[0];
-        let chains = self.course.sets.chains(sheet.contacts) as usize;
+        let prepared = &self.course.legs[0];
+        let chains = self.course.sets.chains(prepared.contacts) as usize;
         let mut later = starts.later;
         for number in starts.from..chains {
             self.course.looks.take(1);
@@ -408,14 +408,14 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
 
     /// The start with this index, if it is a node according to the tables.
     fn start(&self, number: usize) -> Option<NodeSpot> {
-        let sheet = &self.course.sheets[0];
-        let chain = self.course.sets.chain(sheet.contacts, number);
+        let prepared = &self.course.legs[0];
+        let chain = self.course.sets.chain(prepared.contacts, number);
         let contacts = chain.phases.map(usize::from);
         let held = &contacts[..self.course.sets.members(chain.set).len()];
-        sheet.holds(sheet.start, held).then(|| {
-            let phases = contacts.map(|contact| sheet.phase(sheet.start, contact));
+        prepared.holds(prepared.start, held).then(|| {
+            let phases = contacts.map(|contact| prepared.phase(prepared.start, contact));
             let phases = if self.course.sets.is_pair(chain.set) { [phases[0], phases[1], 0] } else { phases };
-            NodeSpot { leg: 0, angle: sheet.start, chain: GraspChain { phases, ..chain } }
+            NodeSpot { leg: 0, angle: prepared.start, chain: GraspChain { phases, ..chain } }
         })
     }
 
@@ -435,10 +435,10 @@ impl<'a, E: Estimate> RouteWalk<'a, E> {
 
 /// State of a node's placements during an expansion.
 #[derive(Debug)]
-struct PlacementTurn {
+struct PlacementExpansion {
     entry: WalkEntry,
     /// h of the node.
     to_go: u64,
-    /// Least raise above the entry's.
+    /// Least increase above the entry's.
     next: u64,
 }

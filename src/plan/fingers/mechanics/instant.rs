@@ -59,7 +59,7 @@ impl<'a> PairsInstant<'a> {
     }
 
     /// Removes the triples that do not hold, in all orders, from a set of triples with room.
-    pub fn sift(&self, triples: &mut ContactBits, tables: &Tables) {
+    pub fn remove_unheld(&self, triples: &mut ContactBits, tables: &Tables) {
         if self.reaches.is_empty() {
             return;
         }

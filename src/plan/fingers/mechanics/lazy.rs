@@ -22,7 +22,7 @@ const DIGIT: u32 = 10;
 
 /// Cached answers of one leg.
 #[derive(Debug)]
-pub struct Lazy {
+pub struct LazyGraspEvaluator {
     grip: GripModel,
     firm: GripModel,
     /// All contacts at each part of a step.
@@ -31,23 +31,23 @@ pub struct Lazy {
     /// Load at angle 0 of the leg.
     load: Load,
     looks: Rc<LooksBudget>,
-    /// Answers by angle, question and contacts.
+    /// Answers by angle, query and contacts.
     known: RefCell<FxHashMap<u64, bool>>,
 }
 
-/// Question about a grasp.
+/// Query about a grasp.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Question {
+enum GraspQuery {
     Holds,
     Rolls,
     Leaves,
 }
 
-impl Lazy {
+impl LazyGraspEvaluator {
     /// Cache for a hand on the contacts of a section, under the load at angle 0.
-    pub fn of(facts: &FingersFacts, contacts: &Contacts, load: Load, looks: Rc<LooksBudget>) -> Lazy {
+    pub fn of(facts: &FingersFacts, contacts: &Contacts, load: Load, looks: Rc<LooksBudget>) -> LazyGraspEvaluator {
         let grip = GripModel::of(facts, contacts.reach_um());
-        Lazy {
+        LazyGraspEvaluator {
             grip,
             firm: grip.with_reserve(),
             contacts: std::array::from_fn(|part| contacts.after(part as f64 / PARTS_OF_STEP as f64)),
@@ -60,13 +60,13 @@ impl Lazy {
 
     /// Whether two or three contacts, counted from 0, hold at an angle of the leg.
     pub fn holds(&self, angle: i32, held: &[usize]) -> bool {
-        self.answer(Question::Holds, angle, &sorted(held), || self.balances(angle, 0, held))
+        self.answer(GraspQuery::Holds, angle, &sorted(held), || self.balances(angle, 0, held))
     }
 
     /// Whether two or three contacts keep holding from an angle to the next.
     pub fn rolls(&self, angle: i32, held: &[usize]) -> bool {
         let next = || held.iter().map(|contact| (contact + self.contacts[0].len() - 1) % self.contacts[0].len());
-        self.answer(Question::Rolls, angle, &sorted(held), || {
+        self.answer(GraspQuery::Rolls, angle, &sorted(held), || {
             self.holds(angle, held)
                 && self.holds(angle + 1, &next().collect::<Vec<usize>>())
                 && (1..PARTS_OF_STEP).all(|part| self.balances(angle, part, held))
@@ -76,7 +76,7 @@ impl Lazy {
     /// Whether two contacts hold and resist the removal of the finger on a third one.
     pub fn leaves(&self, angle: i32, stay: [usize; 2], leaves: usize) -> bool {
         let [i, j] = [stay[0].min(stay[1]), stay[0].max(stay[1])];
-        self.answer(Question::Leaves, angle, &[i, j, leaves], || {
+        self.answer(GraspQuery::Leaves, angle, &[i, j, leaves], || {
             self.looks.take(LOOKS);
             let [a, b, c] = [i, j, leaves].map(|contact| &self.contacts[0][contact]);
             self.holds(angle, &[i, j]) && self.grip.resists([a, b], c, &self.at(angle, 0))
@@ -85,11 +85,11 @@ impl Lazy {
 
     /// Excludes the step of a grasp from an angle to the next.
     pub fn forbid(&self, angle: i32, held: &[usize]) {
-        self.known.borrow_mut().insert(key(Question::Rolls, angle, &sorted(held)), false);
+        self.known.borrow_mut().insert(key(GraspQuery::Rolls, angle, &sorted(held)), false);
     }
 
-    fn answer(&self, question: Question, angle: i32, held: &[usize], find: impl FnOnce() -> bool) -> bool {
-        let key = key(question, angle, held);
+    fn answer(&self, query: GraspQuery, angle: i32, held: &[usize], find: impl FnOnce() -> bool) -> bool {
+        let key = key(query, angle, held);
         if let Some(known) = self.known.borrow().get(&key) {
             return *known;
         }
@@ -117,8 +117,8 @@ fn sorted(held: &[usize]) -> Vec<usize> {
     sorted
 }
 
-fn key(question: Question, angle: i32, held: &[usize]) -> u64 {
+fn key(query: GraspQuery, angle: i32, held: &[usize]) -> u64 {
     let held = held.iter().fold(0, |key, contact| key << DIGIT | (*contact as u64 + 1));
     // Angles lie between -1024 and 1023: two revolutions of at most 360 steps either way, and the step beyond.
-    ((angle + 1024) as u64) << (3 * DIGIT + 2) | (question as u64) << (3 * DIGIT) | held
+    ((angle + 1024) as u64) << (3 * DIGIT + 2) | (query as u64) << (3 * DIGIT) | held
 }

@@ -11,7 +11,6 @@
 //! finger is tested by clipping its triangle with these. Out-of-plane loads are borne by friction and by torsion of the
 //! contacts: see `space`.
 
-mod closer;
 mod contact;
 mod grip;
 mod instant;
@@ -19,16 +18,17 @@ mod lazy;
 mod load;
 mod model;
 mod pair;
+mod rolling_checker;
 mod rows;
 mod simplex;
 mod space;
 mod tabulate;
 
-pub use closer::{Closer, forbid};
 pub use contact::{Contact, Contacts};
-pub use lazy::Lazy;
+pub use lazy::LazyGraspEvaluator;
 pub use load::{Load, Wrench};
 pub use model::GripModel;
+pub use rolling_checker::{RollingChecker, forbid};
 pub use tabulate::{NoTables, PARTS_OF_ROLLING, PARTS_OF_STEP, TableRequest, tables};
 
 /// Tolerance of an equilibrium, relative to the forces involved: an exact balance holds, whatever the rounding.

@@ -14,7 +14,7 @@ use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
 
 /// Parts into which a rolling step is divided for the check of holding: at their borders a grasp must hold with the
-/// device's reserve. A grasp that holds there but lapses in between is found by [`super::Closer`] before a path is
+/// device's reserve. A grasp that holds there but lapses in between is found by [`super::RollingChecker`] before a path is
 /// accepted.
 ///
 /// A grasp that holds at both ends of a part may lapse within it only where its equilibrium passes from one set of
@@ -156,7 +156,7 @@ fn standing(grip: &GripModel, now: &PairsInstant, open: &ContactBits, tables: &T
         now.beside(i, j, &mut row);
         put_both(&mut layer.triple, tables, [i, j], &row);
     }
-    now.sift(&mut layer.triple, tables);
+    now.remove_unheld(&mut layer.triple, tables);
     come_and_go(grip, now, open, tables, &mut layer);
     layer
 }
@@ -221,7 +221,7 @@ fn rolling_triples(tables: &Tables, [at, next]: [usize; 2], room: &PairRows, bet
         }
         put_both(&mut triples, tables, [i, j], &row);
     }
-    between.iter().for_each(|instant| instant.sift(&mut triples, tables));
+    between.iter().for_each(|instant| instant.remove_unheld(&mut triples, tables));
     triples
 }
 

@@ -61,7 +61,7 @@ struct ContourSpan {
 /// The point between two spans.
 #[derive(Debug, Clone, Copy)]
 struct ContourNode {
-    way_um: f64,
+    arc_length_um: f64,
     point_um: [f64; 2],
     tangent: [f64; 2],
     /// The direction of the outward normal, continuous along the outline.
@@ -71,7 +71,7 @@ struct ContourNode {
 /// The point of an outline nearest to a given point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foot {
-    pub way_um: f64,
+    pub arc_length_um: f64,
     /// Signed distance of the given point from the outline; negative inside.
     pub distance_um: f64,
     pub point_um: [f64; 2],
@@ -86,7 +86,7 @@ pub struct Foot {
 impl Foot {
     /// Turn of a part while a tip of this radius rolls from the start of the outline to here.
     pub fn turn_of_tip_rad(&self, tip_radius_um: f64) -> f64 {
-        through(Fault::JudgedRoll, self.turned_rad + self.way_um / tip_radius_um)
+        through(Fault::JudgedRoll, self.turned_rad + self.arc_length_um / tip_radius_um)
     }
 }
 
@@ -133,7 +133,7 @@ impl Contour {
 
     /// The perimeter.
     pub fn round_um(&self) -> f64 {
-        self.last().way_um - self.nodes[0].way_um
+        self.last().arc_length_um - self.nodes[0].arc_length_um
     }
 
     /// Greatest distance from the origin.
@@ -154,7 +154,7 @@ impl Contour {
     /// Assumes that the tip can touch all of the outline.
     pub fn rolled_to(&self, turn_rad: f64, tip_radius_um: f64) -> Option<Foot> {
         let first_rad = self.nodes[0].normal_rad;
-        let turn_to = |node: &ContourNode| node.normal_rad - first_rad + node.way_um / tip_radius_um;
+        let turn_to = |node: &ContourNode| node.normal_rad - first_rad + node.arc_length_um / tip_radius_um;
         let once_rad = turn_to(self.last());
         let laps = (turn_rad / once_rad).floor();
         let rest_rad = turn_rad - laps * once_rad;
@@ -164,7 +164,7 @@ impl Contour {
         // As a length, to suit the root's tolerance.
         let off_um = |t: f64| {
             let foot = self.foot_at(at, t, 0, self.jet(at, t).point_um);
-            (foot.turned_rad + foot.way_um / tip_radius_um - rest_rad) * tip_radius_um
+            (foot.turned_rad + foot.arc_length_um / tip_radius_um - rest_rad) * tip_radius_um
         };
         let ends = [span.from_t, span.to_t].map(|t| (t, off_um(t)));
         let t = if ends[0].1 < 0.0 && ends[1].1 > 0.0 { root(off_um, ends) } else { span.from_t };
@@ -184,7 +184,7 @@ impl Contour {
         let mut best = (to_node_um(0), 0, self.spans[0].from_t);
         let mut open = vec![(0, self.spans.len(), best.0, best.0)];
         while let Some((from, to, from_um, to_um)) = open.pop() {
-            let least_um = (from_um + to_um - (self.nodes[to].way_um - self.nodes[from].way_um)) / 2.0;
+            let least_um = (from_um + to_um - (self.nodes[to].arc_length_um - self.nodes[from].arc_length_um)) / 2.0;
             if least_um > best.0 {
                 continue;
             }
@@ -210,11 +210,11 @@ impl Contour {
 
     /// The nearest point, by descent from the arc length of an earlier one; its own arc length continues from that
     /// one.
-    pub fn foot_near(&self, point_um: [f64; 2], way_um: f64) -> Option<Foot> {
-        let laps = (way_um / self.round_um()).floor();
-        let own_um = way_um - laps * self.round_um();
+    pub fn foot_near(&self, point_um: [f64; 2], arc_length_um: f64) -> Option<Foot> {
+        let laps = (arc_length_um / self.round_um()).floor();
+        let own_um = arc_length_um - laps * self.round_um();
         let count = self.spans.len();
-        let mut at = self.nodes.partition_point(|node| node.way_um <= own_um).saturating_sub(1).min(count - 1);
+        let mut at = self.nodes.partition_point(|node| node.arc_length_um <= own_um).saturating_sub(1).min(count - 1);
         let mut lap = laps as i64;
         let is_ahead = self.offset_um(at, point_um) < 0.0;
         for _ in 0..count {
@@ -267,7 +267,7 @@ impl Contour {
         let gap_um = minus(point_um, jet.point_um);
         let sign = if gap_um[0] * y - gap_um[1] * x < 0.0 { -1.0 } else { 1.0 };
         Foot {
-            way_um: node.way_um + arc_um(piece, [span.from_t, t]) + lap * self.round_um(),
+            arc_length_um: node.arc_length_um + arc_um(piece, [span.from_t, t]) + lap * self.round_um(),
             distance_um: through(Fault::JudgedOutline, sign * length(gap_um)),
             point_um: jet.point_um,
             normal_rad: through(Fault::JudgedNormal, (-x).arc_tangent_over(y)),
@@ -370,16 +370,16 @@ fn nodes(pieces: &[Piece], spans: &[ContourSpan]) -> Option<Vec<ContourNode>> {
     };
     let (point_um, tangent) = place(spans.first()?, spans.first()?.from_t);
     let normal_rad = (-tangent[0]).arc_tangent_over(tangent[1]);
-    let mut nodes = vec![ContourNode { way_um: 0.0, point_um, tangent, normal_rad }];
+    let mut nodes = vec![ContourNode { arc_length_um: 0.0, point_um, tangent, normal_rad }];
     for span in spans {
         let before = nodes[nodes.len() - 1];
         let (point_um, tangent) = place(span, span.to_t);
         let normal_rad = before.normal_rad + turn_rad(before.tangent, tangent);
-        let way_um = before.way_um + arc_um(&pieces[span.piece], [span.from_t, span.to_t]);
-        nodes.push(ContourNode { way_um, point_um, tangent, normal_rad });
+        let arc_length_um = before.arc_length_um + arc_um(&pieces[span.piece], [span.from_t, span.to_t]);
+        nodes.push(ContourNode { arc_length_um, point_um, tangent, normal_rad });
     }
     let (first, last) = (nodes[0], nodes.len() - 1);
-    nodes[last] = ContourNode { normal_rad: nodes[last].normal_rad, way_um: nodes[last].way_um, ..first };
+    nodes[last] = ContourNode { normal_rad: nodes[last].normal_rad, arc_length_um: nodes[last].arc_length_um, ..first };
     Some(nodes)
 }
 

@@ -58,7 +58,8 @@ proptest! {
         prop_assert!((contour.round_um() - curve.perimeter_um()).abs() <= near, "{} {}", contour.round_um(), curve.perimeter_um());
         prop_assert!((contour.radius_um() - curve.reach_um()).abs() <= near, "{} {}", contour.radius_um(), curve.reach_um());
         let opposite = contour.opposite().expect("a place");
-        prop_assert!((opposite.way_um - curve.opposite_um()).abs() <= near, "{opposite:?} {}", curve.opposite_um());
+        let opposite_um = curve.opposite_um();
+        prop_assert!((opposite.arc_length_um - opposite_um).abs() <= near, "{opposite:?} {opposite_um}");
         prop_assert!(opposite.point_um[0] < 0.0 && opposite.point_um[1].abs() <= near);
     }
 
@@ -71,7 +72,7 @@ proptest! {
         prop_assert!((judged.distance_um - planned.distance_um).abs() <= near, "{judged:?} {planned:?}");
         // If several points are equally near, either is correct; the verifier's must be one of them.
         prop_assert!((length(minus(place, judged.point_um)) - judged.distance_um.abs()).abs() <= near);
-        let spot = curve.spot(judged.way_um);
+        let spot = curve.spot(judged.arc_length_um);
         prop_assert!(length(minus(spot.point_um, judged.point_um)) <= near);
         let turn = (spot.normal_rad - judged.normal_rad).rem_euclid(TAU);
         // Arc lengths are accurate to a length, so directions are accurate to that length over the radius of
@@ -89,16 +90,16 @@ proptest! {
         let (contour, curve) = both(&outline);
         let round_um = curve.perimeter_um();
         let near = NEAR * round_um.max(10.0);
-        let way_um = off * round_um;
-        let spot = curve.spot(way_um + step * round_um);
+        let arc_length_um = off * round_um;
+        let spot = curve.spot(arc_length_um + step * round_um);
         let radius_um = out * round_um / 10.0;
         let tip_um = [spot.point_um[0] + radius_um * spot.normal_rad.cos(), spot.point_um[1] + radius_um * spot.normal_rad.sin()];
-        let foot = contour.foot_near(tip_um, way_um).expect("a place");
+        let foot = contour.foot_near(tip_um, arc_length_um).expect("a place");
         prop_assert!((foot.distance_um - radius_um).abs() <= near || foot.distance_um < radius_um, "{foot:?} {radius_um}");
         if (foot.distance_um - radius_um).abs() <= near && curve.least_curvature_per_um() * radius_um > -0.5 {
-            let off_um = foot.way_um - way_um - step * round_um;
+            let off_um = foot.arc_length_um - arc_length_um - step * round_um;
             prop_assert!(off_um.abs() <= 10.0 * near.sqrt() * round_um.max(1.0).sqrt(), "{off_um}");
-            let rolled_rad = curve.rolled_rad(foot.way_um, radius_um);
+            let rolled_rad = curve.rolled_rad(foot.arc_length_um, radius_um);
             prop_assert!((foot.turn_of_tip_rad(radius_um) - rolled_rad).abs() <= NEAR * (1.0 + round_um / radius_um) + near * foot.curvature_per_um.abs(), "{rolled_rad}");
         }
     }
@@ -110,9 +111,9 @@ proptest! {
         prop_assume!(curve.least_curvature_per_um() * tip_radius_um > -0.9);
         let near = NEAR * curve.perimeter_um().max(10.0);
         let foot = contour.rolled_to(turn, tip_radius_um).expect("a place");
-        let way_um = curve.way_rolled_um(turn, tip_radius_um);
+        let arc_length_um = curve.way_rolled_um(turn, tip_radius_um);
         prop_assert!((foot.turn_of_tip_rad(tip_radius_um) - turn).abs() <= NEAR * (1.0 + curve.perimeter_um() / tip_radius_um));
-        prop_assert!((foot.way_um - way_um).abs() <= 40.0 * near, "{} {way_um}", foot.way_um);
+        prop_assert!((foot.arc_length_um - arc_length_um).abs() <= 40.0 * near, "{foot:?} {arc_length_um}");
     }
 }
 
@@ -121,7 +122,7 @@ fn known_figures() {
     let circle = Contour::of(&Outline::Ellipse { semi_um: [3.0, 3.0] }).expect("an outline");
     assert!((circle.round_um() - 6.0 * PI).abs() < 1e-10 && (circle.radius_um() - 3.0).abs() < 1e-12);
     let foot = circle.foot([0.0, 5.0]).expect("a place");
-    assert!((foot.distance_um - 2.0).abs() < 1e-12 && (foot.way_um - 1.5 * PI).abs() < 1e-10);
+    assert!((foot.distance_um - 2.0).abs() < 1e-12 && (foot.arc_length_um - 1.5 * PI).abs() < 1e-10);
     assert!((foot.normal_rad - PI / 2.0).abs() < 1e-12 && (foot.curvature_per_um - 1.0 / 3.0).abs() < 1e-12);
     assert!((foot.turn_of_tip_rad(3.0) - PI).abs() < 1e-10);
     assert!((circle.foot([0.0, 1.0]).expect("a place").distance_um + 2.0).abs() < 1e-12);
@@ -148,8 +149,8 @@ fn ways_run_on() {
     for lap in [-2, -1, 0, 1, 7] {
         let around_um = f64::from(lap) * contour.round_um();
         for beside_um in [-2.0, 0.0, 2.0] {
-            let foot = contour.foot_near(tip_um, first.way_um + around_um + beside_um).expect("a place");
-            assert!((foot.way_um - first.way_um - around_um).abs() < 1e-9, "{lap} {beside_um}");
+            let foot = contour.foot_near(tip_um, first.arc_length_um + around_um + beside_um).expect("a place");
+            assert!((foot.arc_length_um - first.arc_length_um - around_um).abs() < 1e-9, "{lap} {beside_um}");
             assert!((foot.turned_rad - first.turned_rad - f64::from(lap) * TAU).abs() < 1e-9);
         }
     }

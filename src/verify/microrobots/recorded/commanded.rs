@@ -3,12 +3,12 @@
 //! Input: command lines. Output: the legs that they drive. Promise: arm positions come from the voltage alone, as in a
 //! replayed schedule: between two drives the bed is at the relax level, otherwise at 0 V.
 
-use super::super::relay::Relays;
+use super::super::relay::ArmHysteresis;
 use super::JudgedRecording;
 use crate::claims::microrobots::MicrorobotsAction;
 use crate::device::microrobots::Arm;
 use crate::schedule::control::{CommandLine, CommandWord, SegmentLine};
-use crate::verify::Halt;
+use crate::verify::ReplayStop;
 use crate::verify::rule::{Findings, Rule, ms};
 
 /// Strokes in a control state of the order.
@@ -21,7 +21,7 @@ pub(super) struct CommandedLeg {
 /// The commands so far.
 pub(super) struct Commanded<'r, 'a> {
     run: &'r JudgedRecording<'a>,
-    relays: Relays<'a>,
+    hysteresis: ArmHysteresis<'a>,
     /// When the last command ends; `None` before the first one.
     pub until_ns: Option<u64>,
     /// For each robot of the order, whether the controller considers it docked.
@@ -34,16 +34,16 @@ pub(super) struct Commanded<'r, 'a> {
 
 impl<'r, 'a> Commanded<'r, 'a> {
     pub fn new(run: &'r JudgedRecording<'a>) -> Self {
-        let mut relays = Relays::new(&run.order.facts);
-        relays.visit(0.0);
+        let mut hysteresis = ArmHysteresis::new(&run.order.facts);
+        hysteresis.visit(0.0);
         let docked = vec![false; run.order.robots.len()];
-        Commanded { run, relays, until_ns: None, docked, strokes: 0, applied: Vec::new(), rested: None }
+        Commanded { run, hysteresis, until_ns: None, docked, strokes: 0, applied: Vec::new(), rested: None }
     }
 
     /// Checks that step, line and names of a command are those of the program, and that docked robots stay docked.
-    pub fn words(&mut self, command: &CommandLine, at_ns: u64) -> Result<(), Halt> {
+    pub fn words(&mut self, command: &CommandLine, at_ns: u64) -> Result<(), ReplayStop> {
         let (run, step, at) = (self.run, command.step, ms(at_ns));
-        let broken = |title: String| Err(Halt::from(run.within(Rule::Exchange, step, at_ns, title)));
+        let broken = |title: String| Err(ReplayStop::from(run.within(Rule::Exchange, step, at_ns, title)));
         match run.text_lines.get(step) {
             Some(line) if command.line == Some(*line) => {}
             Some(line) => {
@@ -81,7 +81,7 @@ impl<'r, 'a> Commanded<'r, 'a> {
         command: &CommandLine,
         at_ns: u64,
         findings: &mut Findings,
-    ) -> Result<Vec<CommandedLeg>, Halt> {
+    ) -> Result<Vec<CommandedLeg>, ReplayStop> {
         let mut legs = Vec::new();
         let mut lasts_ns = 0_u64;
         let is_rest = command.command == CommandWord::Rest;
@@ -92,7 +92,7 @@ impl<'r, 'a> Commanded<'r, 'a> {
             let train_ns = segment.strokes.saturating_mul(facts.period_ns);
             lasts_ns = lasts_ns.saturating_add(levels_ns).saturating_add(train_ns);
         }
-        self.relays.visit(if is_rest { 0.0 } else { self.run.order.facts.relax_v });
+        self.hysteresis.visit(if is_rest { 0.0 } else { self.run.order.facts.relax_v });
         let due_ns = match is_rest {
             true => self.rest_until(command),
             false => Some(command.t_ns.saturating_add(lasts_ns.max(self.run.errors.replan_ns))),
@@ -123,10 +123,10 @@ impl<'r, 'a> Commanded<'r, 'a> {
         step: usize,
         at_ns: u64,
         findings: &mut Findings,
-    ) -> Result<CommandedLeg, Halt> {
+    ) -> Result<CommandedLeg, ReplayStop> {
         let (order, at) = (self.run.order, ms(at_ns));
         let facts = &order.facts;
-        let broken = |rule, title: String| Err(Halt::from(self.run.within(rule, step, at_ns, title)));
+        let broken = |rule, title: String| Err(ReplayStop::from(self.run.within(rule, step, at_ns, title)));
         if let Some(level) = segment.levels_v.iter().find(|level| !(0.0..=facts.max_v).contains(*level)) {
             let title = format!("a level of {level} V is commanded at {at}; the source gives 0 V to {} V", facts.max_v);
             return broken(Rule::Level, title);
@@ -134,22 +134,22 @@ impl<'r, 'a> Commanded<'r, 'a> {
         if segment.strokes == 0 {
             return broken(Rule::Train, format!("a segment at {at} has no strokes"));
         }
-        segment.levels_v.iter().for_each(|level| self.relays.visit(*level));
+        segment.levels_v.iter().for_each(|level| self.hysteresis.visit(*level));
         let name = |row: usize| &facts.robots[row].name;
-        if let Some(row) = self.relays.unknown() {
+        if let Some(row) = self.hysteresis.unknown() {
             return broken(
                 Rule::Arm,
                 format!("the arm of `{}` may be up or down when strokes begin at {at}", name(row)),
             );
         }
         for level_v in [facts.flex_v, facts.relax_v] {
-            if let Some(row) = self.relays.moved_by(level_v) {
+            if let Some(row) = self.hysteresis.moved_by(level_v) {
                 let title = format!("a stroke to {level_v} V at {at} may move the arm of `{}`", name(row));
                 return broken(Rule::Arm, title);
             }
         }
-        self.relays.visit(facts.relax_v);
-        let arms: Vec<Arm> = self.relays.arms.iter().flatten().copied().collect();
+        self.hysteresis.visit(facts.relax_v);
+        let arms: Vec<Arm> = self.hysteresis.arms.iter().flatten().copied().collect();
         let digits: String = arms.iter().map(|arm| char::from(b'0' + arm.digit())).collect();
         let control = order.states.iter().position(|state| state.arms == arms).filter(|_| digits == segment.state);
         let Some(control) = control else {

@@ -34,7 +34,7 @@ const MAX_STOP_STEPS: f64 = 10_000.0;
 #[derive(Debug, Clone, Copy)]
 struct TrackedLeg {
     curve_um: Option<f64>,
-    way_um: f64,
+    path_um: f64,
 }
 
 /// The expected pose of a robot, and the allowed deviation of its measurement.
@@ -94,7 +94,7 @@ impl<'r, 'a> Tracked<'r, 'a> {
                     Arm::Up => None,
                     Arm::Down => Some(super::super::curve_um(facts)),
                 },
-                way_um: leg.strokes as f64 * facts.step_um,
+                path_um: leg.strokes as f64 * facts.step_um,
             }));
         }
     }
@@ -191,13 +191,13 @@ impl<'r, 'a> Tracked<'r, 'a> {
     }
 
     fn after(&self, Expected { place, off_um, off_rad }: Expected, leg: &TrackedLeg) -> Expected {
-        let (errors, way_um) = (self.run.errors, leg.way_um);
-        let turned_rad = errors.turning_rad_per_um * way_um;
+        let (errors, path_um) = (self.run.errors, leg.path_um);
+        let turned_rad = errors.turning_rad_per_um * path_um;
         let bent = leg.curve_um.map_or(0.0, |curve_um| 1.0 / curve_um.abs());
         Expected {
-            place: place.driven(leg.curve_um, way_um),
-            off_um: off_um + (off_rad + turned_rad / 2.0 + errors.speed_ratio) * way_um,
-            off_rad: off_rad + turned_rad * (1.0 + errors.speed_ratio) + errors.speed_ratio * way_um * bent,
+            place: place.driven(leg.curve_um, path_um),
+            off_um: off_um + (off_rad + turned_rad / 2.0 + errors.speed_ratio) * path_um,
+            off_rad: off_rad + turned_rad * (1.0 + errors.speed_ratio) + errors.speed_ratio * path_um * bent,
         }
     }
 
@@ -229,10 +229,10 @@ impl<'r, 'a> Tracked<'r, 'a> {
             return true;
         }
         for leg in &self.legs[robot] {
-            let steps = (leg.way_um / STOP_STEP_UM).ceil().clamp(1.0, MAX_STOP_STEPS);
-            let step_um = leg.way_um / steps;
+            let steps = (leg.path_um / STOP_STEP_UM).ceil().clamp(1.0, MAX_STOP_STEPS);
+            let step_um = leg.path_um / steps;
             for step in 1..=steps as u64 {
-                let part = TrackedLeg { way_um: step_um * step as f64, ..*leg };
+                let part = TrackedLeg { path_um: step_um * step as f64, ..*leg };
                 if fits(&self.after(so_far, &part), step_um) {
                     return true;
                 }

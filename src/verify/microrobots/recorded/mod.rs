@@ -12,7 +12,7 @@ mod goals;
 mod measured;
 
 use super::super::rule::{Findings, Rule, Violation, ms};
-use super::{Halt, RobotPlace, claims};
+use super::{ReplayStop, RobotPlace, claims};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::claims::{Claims, Job};
 use crate::device::microrobots::Errors;
@@ -86,7 +86,7 @@ pub fn judge(
     let [job] = claims.jobs.as_slice() else { return unfit("the program must have exactly one run of one device") };
     let Some(order) = MicrorobotsOrder::of(&job.order) else { return unfit("the task is not for microrobots") };
     let Some(errors) = order.facts.errors else { return unfit("the device does not state its errors") };
-    if let Err(super::Unfit(why)) = claims::check_claims(order) {
+    if let Err(super::InvalidClaims(why)) = claims::check_claims(order) {
         return unfit(&why);
     }
     let text_lines = order.steps.iter().map(|step| sources.position(step.span).line).collect();
@@ -94,8 +94,8 @@ pub fn judge(
     let mut walk = Walk::new(&run);
     let mut findings = Findings::default();
     match walk.all(lines, &mut findings) {
-        Ok(()) | Err(Halt::Unfit(_)) => {}
-        Err(Halt::Broken(violation)) => findings.push(*violation),
+        Ok(()) | Err(ReplayStop::InvalidClaims(_)) => {}
+        Err(ReplayStop::Broken(violation)) => findings.push(*violation),
     }
     match findings.is_empty() {
         true => Ok(walk.report()),
@@ -186,12 +186,12 @@ impl<'r, 'a> Walk<'r, 'a> {
         t_ns.saturating_sub(self.first_ns.unwrap_or(t_ns))
     }
 
-    fn exchange(&self, t_ns: u64, what: String) -> Halt {
+    fn exchange(&self, t_ns: u64, what: String) -> ReplayStop {
         let at_ns = self.since_ns(t_ns);
         self.run.within(Rule::Exchange, self.step, at_ns, format!("{what}, at {}", ms(at_ns))).into()
     }
 
-    fn all(&mut self, lines: &[&ControlLine], findings: &mut Findings) -> Result<(), Halt> {
+    fn all(&mut self, lines: &[&ControlLine], findings: &mut Findings) -> Result<(), ReplayStop> {
         let (mut pending, mut last): (Option<&MeasuredLine>, Option<&CommandLine>) = (None, None);
         for line in lines {
             if let Some(CommandLine { command: CommandWord::Finished | CommandWord::Stop, t_ns, .. }) = last {
@@ -220,7 +220,7 @@ impl<'r, 'a> Walk<'r, 'a> {
     }
 
     /// Checks that the run ends with its task done.
-    fn end(&self, last: Option<&CommandLine>) -> Result<(), Halt> {
+    fn end(&self, last: Option<&CommandLine>) -> Result<(), ReplayStop> {
         let at_ns = self.since_ns(self.last_ns);
         let title = match last {
             Some(CommandLine { command: CommandWord::Finished, .. }) => return Ok(()),
@@ -241,7 +241,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         measured: Option<&MeasuredLine>,
         command: &CommandLine,
         findings: &mut Findings,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), ReplayStop> {
         let now_ns = measured.map_or(self.last_ns, |measured| measured.t_ns);
         if command.t_ns != now_ns.max(self.last_ns) {
             return Err(self.exchange(now_ns, "the time of a command differs from that of its measurement".to_owned()));
@@ -308,14 +308,14 @@ impl<'r, 'a> Walk<'r, 'a> {
                 self.set_aside += 1;
                 match holds {
                     true => self.follow(command, at_ns, None, findings),
-                    false => Err(Halt::Broken(why)),
+                    false => Err(ReplayStop::Broken(why)),
                 }
             }
         }
     }
 
     /// The measured poses by robot, in the order of the scene; `None` for a robot that was not seen.
-    fn poses(&self, measured: &MeasuredLine) -> Result<Vec<Option<RobotPlace>>, Halt> {
+    fn poses(&self, measured: &MeasuredLine) -> Result<Vec<Option<RobotPlace>>, ReplayStop> {
         if let Some(unknown) = measured.robots.keys().find(|name| self.run.robot(name).is_none()) {
             let clean: String = unknown.chars().filter(|c| !c.is_control()).take(40).collect();
             return Err(self.exchange(measured.t_ns, format!("`{clean}` is measured, but is no robot of the scene")));
@@ -334,7 +334,7 @@ impl<'r, 'a> Walk<'r, 'a> {
         at_ns: u64,
         places: Option<&[RobotPlace]>,
         findings: &mut Findings,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), ReplayStop> {
         if command.command == CommandWord::Stop {
             return Ok(());
         }

@@ -6,10 +6,10 @@ use crate::geometry::shape::{Pose, Shape};
 use crate::source::{Span, Spanned};
 use build::*;
 
-mod beside;
 pub(super) mod build;
 mod garbage;
 mod mutants;
+mod shared_scene;
 
 /// Far less than a planner's margin for errors in shapes, far more than rounding.
 const HAIR_UM: f64 = 1e-9;

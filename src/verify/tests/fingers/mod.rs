@@ -11,7 +11,7 @@ mod build;
 mod garbage;
 mod grasps;
 mod motion;
-mod pace;
+mod speed;
 mod stages;
 
 /// Two fingers grasp the bead and roll it, the third one replaces the second, and the bead is carried and released.

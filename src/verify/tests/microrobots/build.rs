@@ -95,19 +95,19 @@ pub fn legs(all: &[(usize, u64)]) -> Vec<Leg> {
 }
 
 /// The unicycle model, integrated in tiny steps by the classical Runge-Kutta method.
-pub fn carried(robot: &Robot, arm: Arm, from: Pose, way_um: f64) -> Pose {
+pub fn carried(robot: &Robot, arm: Arm, from: Pose, path_um: f64) -> Pose {
     let turning_per_um = match (arm, robot.turning) {
         (Arm::Up, _) => 0.0,
         (Arm::Down, Turning::Clockwise) => -1.0 / robot.turning_radius_um,
         (Arm::Down, Turning::Counterclockwise) => 1.0 / robot.turning_radius_um,
     };
     // A straight path needs one step, and whole turns need none.
-    let (way_um, longest_um) = match arm {
-        Arm::Up => (way_um, way_um.max(1.0)),
-        Arm::Down => (way_um % (TAU * robot.turning_radius_um), 0.5),
+    let (path_um, longest_um) = match arm {
+        Arm::Up => (path_um, path_um.max(1.0)),
+        Arm::Down => (path_um % (TAU * robot.turning_radius_um), 0.5),
     };
-    let steps = (way_um / longest_um).ceil().max(1.0);
-    let h_um = way_um / steps;
+    let steps = (path_um / longest_um).ceil().max(1.0);
+    let h_um = path_um / steps;
     let mut pose = from;
     for _ in 0..steps as u64 {
         let later_rad = pose.heading_rad + turning_per_um * h_um;

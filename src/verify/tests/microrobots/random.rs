@@ -80,8 +80,8 @@ fn discs(day: &Day) -> Vec<Vec<Option<Disc>>> {
         let (mut pose, mut first) = (placed.pose, 0);
         while first < legs.len() {
             let count = legs[first..].iter().take_while(|leg| is_down(leg)).count();
-            let way_um: f64 = legs[first..first + count].iter().map(|leg| leg.strokes as f64 * robot.step_um).sum();
-            if way_um / robot.turning_radius_um > TAU {
+            let path_um: f64 = legs[first..first + count].iter().map(|leg| leg.strokes as f64 * robot.step_um).sum();
+            if path_um / robot.turning_radius_um > TAU {
                 // The centre is halfway to the pose after half a turn.
                 let half = carried(robot, Arm::Down, pose, TAU / 2.0 * robot.turning_radius_um);
                 let centre = Point2::new((pose.x_um + half.x_um) / 2.0, (pose.y_um + half.y_um) / 2.0);

@@ -5,8 +5,8 @@ use super::random::{case, circle};
 use crate::plan::fingers::graph::layout::{GraspChain, MAX_ANGLES, NodeSpot, Sets};
 use crate::plan::fingers::graph::strands::{AngleMask, below, has, single, spread};
 use crate::plan::fingers::graph::{
-    Estimator, FarthestRoute, Grasp, GraspAnswer, GraspCosts, GraspRequest, GraspSearchEnd, Regrasp, Start, TurnLeg,
-    Within, decompose, solve,
+    Estimator, FarthestRoute, Grasp, GraspAnswer, GraspCosts, GraspRequest, GraspSearchEnd, GraspSearchLimits, Regrasp,
+    Start, TurnLeg, decompose, solve,
 };
 use crate::plan::fingers::tables::Tables;
 use crate::plan::search::SearchBudget;
@@ -25,7 +25,13 @@ fn leg(tables: Tables, steps: i32, end: Option<&[u32]>) -> TurnLeg {
 }
 
 fn request(start: Start, routes: Vec<Vec<TurnLeg>>) -> GraspRequest {
-    GraspRequest { fingers: 3, start, routes, costs: GraspCosts { roll: 20, gait: 180 }, within: Within::default() }
+    GraspRequest {
+        fingers: 3,
+        start,
+        routes,
+        costs: GraspCosts { roll: 20, gait: 180 },
+        limits: GraspSearchLimits::default(),
+    }
 }
 
 #[test]

@@ -153,7 +153,7 @@ pub fn is_end(route: &[TurnLeg], at: OracleNode) -> bool {
 /// The least cost of a route and the fewest reconfigurations at this cost, within the limit of reconfigurations; and the farthest
 /// leg that is begun.
 pub fn dijkstra(request: &GraspRequest, route: &[TurnLeg]) -> (Option<(u64, u32)>, usize) {
-    let most = request.within.gaits;
+    let most = request.limits.gaits;
     // Where they are limited, nodes are distinguished by their number of reconfigurations.
     let place = |at: OracleNode, gaits: u32| (at, most.map_or(0, |_| gaits));
     let mut costs: FxHashMap<(OracleNode, u32), (u64, u32)> = FxHashMap::default();

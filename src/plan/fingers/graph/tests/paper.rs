@@ -5,7 +5,8 @@ use super::random::circle;
 use crate::plan::fingers::graph::layout::Sets;
 use crate::plan::fingers::graph::published::reconfigurations;
 use crate::plan::fingers::graph::{
-    Estimator, Grasp, GraspAnswer, GraspCosts, GraspPath, GraspRequest, Regrasp, Start, TurnLeg, Within, solve,
+    Estimator, Grasp, GraspAnswer, GraspCosts, GraspPath, GraspRequest, GraspSearchLimits, Regrasp, Start, TurnLeg,
+    solve,
 };
 use crate::plan::search::SearchBudget;
 use std::collections::{HashMap, VecDeque};
@@ -130,7 +131,7 @@ fn found(start: [u32; 3], steps: i32, end: [u32; 3], estimator: Estimator) -> Gr
         start: Start::At(grasp(start)),
         routes: vec![vec![leg]],
         costs,
-        within: Within::default(),
+        limits: GraspSearchLimits::default(),
     };
     match solve(&request, estimator, SearchBudget::DEFAULT) {
         GraspAnswer::Found(way) => {

@@ -6,8 +6,8 @@ use crate::plan::fingers::graph::published::Published;
 use crate::plan::fingers::graph::route::{RemainingReconfigurations, flooded};
 use crate::plan::fingers::graph::walk::{Estimate, NEVER};
 use crate::plan::fingers::graph::{
-    Estimator, Grasp, GraspAnswer, GraspCosts, GraspRequest, GraspSearchEnd, Regrasp, Start, TurnLeg, Within,
-    decompose, solve,
+    Estimator, Grasp, GraspAnswer, GraspCosts, GraspRequest, GraspSearchEnd, GraspSearchLimits, Regrasp, Start,
+    TurnLeg, decompose, solve,
 };
 use crate::plan::fingers::looks::LooksBudget;
 use crate::plan::fingers::tables::{AngleLayer, ContactBits, Tables};
@@ -113,7 +113,7 @@ pub fn case(seed: u64) -> GraspRequest {
         start,
         routes,
         costs: GraspCosts { roll: costs.0, gait: costs.1 },
-        within: Within::default(),
+        limits: GraspSearchLimits::default(),
     }
 }
 
@@ -174,7 +174,7 @@ fn agrees(seed: u64) -> Option<u64> {
     // Then the limit is set below the reconfigurations of each path found, until there is none.
     let mut most = way.map_or(0, |(_, gaits)| gaits);
     while let Some(fewer) = most.checked_sub(1) {
-        request.within.gaits = Some(fewer);
+        request.limits.gaits = Some(fewer);
         most = agrees_within(seed, &request).map_or(0, |(_, gaits)| gaits);
     }
     way.map(|(cost, _)| cost)
@@ -192,7 +192,7 @@ fn agrees_within(seed: u64, request: &GraspRequest) -> Option<(u64, u32)> {
             }
             GraspAnswer::Impossible(blocked) => {
                 assert_eq!(best, None, "case {seed}, {estimator:?}");
-                let is_said = request.within.gaits.is_some() || (blocked.leg, blocked.route) == farthest;
+                let is_said = request.limits.gaits.is_some() || (blocked.leg, blocked.route) == farthest;
                 assert!(is_said, "case {seed}: {blocked:?}, {farthest:?}");
             }
             other => panic!("case {seed}, {estimator:?}: {other:?}"),
@@ -209,7 +209,7 @@ fn what_is_said_when_looks_run_out_is_so() {
         let mut request = case(seed);
         let best = best(&request).0;
         for looks in [1, 30, 300, 3000, 30_000] {
-            request.within.looks = Rc::new(LooksBudget::of(looks));
+            request.limits.looks = Rc::new(LooksBudget::of(looks));
             match solve(&request, Estimator::Layers, SearchBudget::DEFAULT) {
                 GraspAnswer::Found(way) => {
                     assert_eq!(Some((way.cost, gaits(&way), way.route)), best, "case {seed}, {looks} looks");
@@ -225,7 +225,7 @@ fn what_is_said_when_looks_run_out_is_so() {
                 }
                 other => panic!("case {seed}, {looks} looks: {other:?}"),
             }
-            request.within.looks = Rc::new(LooksBudget::of(looks));
+            request.limits.looks = Rc::new(LooksBudget::of(looks));
             if let GraspAnswer::Found(way) = decompose(&request, Estimator::Layers, SearchBudget::DEFAULT) {
                 assert!(
                     best.is_some_and(|(cost, ..)| way.bound <= cost),

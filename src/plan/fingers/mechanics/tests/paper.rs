@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::plan::fingers::graph::{
-    Estimator, Grasp, GraspAnswer, GraspCosts, GraspRequest, Regrasp, Start, TurnLeg, Within, solve,
+    Estimator, Grasp, GraspAnswer, GraspCosts, GraspRequest, GraspSearchLimits, Regrasp, Start, TurnLeg, solve,
 };
 use crate::plan::search::SearchBudget;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ fn turned(tables: &Arc<Tables>, steps: i32, from: [u32; 3], goals: &[Option<Gras
         start: Start::At(Grasp::of(&from).expect("a grasp")),
         routes: goals.iter().map(|goal| vec![leg(goal)]).collect(),
         costs: GraspCosts { roll: 20, gait: 180 },
-        within: Within::default(),
+        limits: GraspSearchLimits::default(),
     };
     match solve(&request, Estimator::Layers, SearchBudget::DEFAULT) {
         GraspAnswer::Found(way) => {

@@ -12,7 +12,7 @@ use super::super::evidence::{Clearance, GapUnit};
 use super::super::geometry::convex::{apart_um, nearest_points, share_of_side, towards};
 use super::super::rule::{Findings, Rule, Violation, ms};
 use super::pulses;
-use super::scene::{FrameTransform, place, room_um, swept};
+use super::scene::{FrameTransform, contact_distance_um, place, swept};
 use crate::claims::dimibot::DimibotOrder;
 use crate::claims::{Claims, SharedScene};
 use crate::device::dimibot::{DimibotFacts, LatticeCell};
@@ -58,7 +58,7 @@ pub(super) fn tips_apart(runs: &[JudgedRun], order: &[usize], claims: &Claims, f
         .collect();
     for [one, other] in pairs(&claims.shared) {
         let (Some(first), Some(second)) = (traces.get(one), traces.get(other)) else { continue };
-        findings.asked(Rule::Encounter, first.stretches.len() + second.stretches.len());
+        findings.count_checks(Rule::Encounter, first.stretches.len() + second.stretches.len());
         if let Some((stretch, beside, gap_um)) = first_touch(first, second) {
             findings.push(touch(runs, [one, other], [stretch, beside], gap_um, needed_um(first, second)));
             continue;
@@ -82,7 +82,7 @@ fn pairs(shared: &[SharedScene]) -> BTreeSet<[&str; 2]> {
 
 /// Distance between two tips' centres at which they touch.
 fn needed_um(one: &TipTrace, other: &TipTrace) -> f64 {
-    room_um(one.facts) + room_um(other.facts)
+    contact_distance_um(one.facts) + contact_distance_um(other.facts)
 }
 
 fn trace<'a>(runs: &'a [JudgedRun], own: &[usize], stand: &FrameTransform) -> Option<TipTrace<'a>> {
@@ -153,7 +153,7 @@ fn nearest(devices: [&str; 2], [one, other]: [&TipTrace; 2]) -> Option<Clearance
         between: devices.map(str::to_owned),
         apart: distance_um - first.tip_radius_um - second.tip_radius_um,
         needed: first.repeatability_um + second.repeatability_um,
-        within: 0.0,
+        error_bound: 0.0,
         unit: GapUnit::Micrometres,
         t_ns: within.or(on_way.clone().next()).unwrap_or(common[0]).clamp(common[0], common[1]),
         points: points.map(|point| [point.x, point.y, 0.0]),

@@ -34,7 +34,7 @@ const SAMPLES: [f64; 2] = [256.0, 16_384.0];
 /// The paths to the contacts of one section, in its coordinates. Contacts are counted from 0.
 #[derive(Debug, Clone)]
 pub struct ContactReach {
-    exits: Vec<WayStart>,
+    starts: Vec<RetreatStart>,
     /// At k·c + i: the directions in which the path of contact k is clear of a tip on contact i, and of the outline; at k·c + k:
     /// those in which it is clear of the outline.
     masks: Vec<u16>,
@@ -42,7 +42,7 @@ pub struct ContactReach {
 
 /// Common start of the paths of one contact.
 #[derive(Debug, Clone, Copy)]
-struct WayStart {
+struct RetreatStart {
     touch_um: Vector2<f64>,
     bend_um: Vector2<f64>,
     normal_rad: f64,
@@ -70,8 +70,9 @@ impl ContactReach {
     /// Tests all paths.
     pub fn new(curve: &Curve, facts: &FingersFacts, contacts: u32) -> ContactReach {
         let count = contacts as usize;
-        let exits: Vec<WayStart> = (0..count).map(|contact| exit(curve, facts, contact, contacts)).collect();
-        let mut reach = ContactReach { masks: vec![0; count * count], exits };
+        let starts: Vec<RetreatStart> =
+            (0..count).map(|contact| retreat_start(curve, facts, contact, contacts)).collect();
+        let mut reach = ContactReach { masks: vec![0; count * count], starts };
         // A tip that moves away from a convex outline stays clear of it.
         let rim = (curve.least_curvature_per_um() < 0.0).then(|| Rim::of(curve, facts));
         let radius_um = facts.sphere_um(0, curve.reach_um());
@@ -83,13 +84,13 @@ impl ContactReach {
 
     /// Number of contacts.
     pub fn contacts(&self) -> usize {
-        self.exits.len()
+        self.starts.len()
     }
 
     /// Whether a tip can reach contact k, and leave it, while others hold i and j; `false` if two of them coincide.
     #[inline]
     pub fn reaches(&self, i: usize, j: usize, k: usize) -> bool {
-        let row = k * self.exits.len();
+        let row = k * self.starts.len();
         i != j && i != k && j != k && self.masks[row + i] & self.masks[row + j] != 0
     }
 
@@ -98,9 +99,9 @@ impl ContactReach {
         if holding.contains(&contact) {
             return None;
         }
-        let row = contact * self.exits.len();
+        let row = contact * self.starts.len();
         let clear = holding.iter().fold(self.masks[row + contact], |mask, other| mask & self.masks[row + other]);
-        (clear != 0).then(|| self.exits[contact].way(clear.trailing_zeros()))
+        (clear != 0).then(|| self.starts[contact].way(clear.trailing_zeros()))
     }
 
     /// The first order in which tips can come to contacts that are initially free, and in whose reverse they can leave, as indices
@@ -117,28 +118,28 @@ impl ContactReach {
 
     /// Fills the row of a contact.
     fn test(&mut self, contact: usize, rim: Option<&Rim>, facts: &FingersFacts, radius_um: f64) {
-        let exit = self.exits[contact];
+        let start = self.starts[contact];
         let ways: Vec<(u16, Vector2<f64>)> = (0..FAN)
-            .map(|direction| (1 << direction, exit.way(direction).end_um(radius_um)))
-            .filter(|(_, end)| rim.is_none_or(|rim| rim.lets_pass(&exit, *end, facts)))
+            .map(|direction| (1 << direction, start.way(direction).end_um(radius_um)))
+            .filter(|(_, end)| rim.is_none_or(|rim| rim.lets_pass(&start, *end, facts)))
             .collect();
         let apart_um = (2.0 * facts.tip_radius_um + facts.clearance_um) * (1.0 - TIP_SLACK);
-        for other in 0..self.exits.len() {
-            let tip = self.exits[other].touch_um;
+        for other in 0..self.starts.len() {
+            let tip = self.starts[other].touch_um;
             let is_clear = |[from, to]: [Vector2<f64>; 2]| square_to_segment(tip, from, to) >= apart_um * apart_um;
             let mask = if other == contact {
                 ways.iter().fold(0, |mask, (bit, _)| mask | bit)
-            } else if is_clear([exit.touch_um, exit.bend_um]) {
-                ways.iter().filter(|(_, end)| is_clear([exit.bend_um, *end])).fold(0, |mask, (bit, _)| mask | bit)
+            } else if is_clear([start.touch_um, start.bend_um]) {
+                ways.iter().filter(|(_, end)| is_clear([start.bend_um, *end])).fold(0, |mask, (bit, _)| mask | bit)
             } else {
                 0
             };
-            self.masks[contact * self.exits.len() + other] = mask;
+            self.masks[contact * self.starts.len() + other] = mask;
         }
     }
 }
 
-impl WayStart {
+impl RetreatStart {
     /// The path in a direction of the fan: first the normal, then alternately to its sides.
     fn way(&self, direction: u32) -> RetreatPath {
         let side = if direction % 2 == 1 { 1.0 } else { -1.0 };
@@ -148,11 +149,11 @@ impl WayStart {
     }
 }
 
-fn exit(curve: &Curve, facts: &FingersFacts, contact: usize, contacts: u32) -> WayStart {
+fn retreat_start(curve: &Curve, facts: &FingersFacts, contact: usize, contacts: u32) -> RetreatStart {
     let round_rad = curve.rolled_rad(curve.perimeter_um(), facts.tip_radius_um);
     let (touch_um, normal_rad) = rolling::tip(curve, facts, contact as f64 * round_rad / f64::from(contacts));
     let (sin, cos) = normal_rad.sine_cosine();
-    WayStart { touch_um, bend_um: touch_um + Vector2::new(cos, sin) * facts.slow_um(), normal_rad }
+    RetreatStart { touch_um, bend_um: touch_um + Vector2::new(cos, sin) * facts.slow_um(), normal_rad }
 }
 
 /// An outline as points, so dense that the nearest point is hardly farther than the outline itself.
@@ -178,10 +179,10 @@ impl Rim {
     }
 
     /// Whether a tip stays clear of the outline on the path to a contact from a distant place.
-    fn lets_pass(&self, exit: &WayStart, end_um: Vector2<f64>, facts: &FingersFacts) -> bool {
+    fn lets_pass(&self, start: &RetreatStart, end_um: Vector2<f64>, facts: &FingersFacts) -> bool {
         let slow_um = facts.tip_radius_um - facts.tolerance_um / 8.0;
-        self.keeps([exit.touch_um, exit.bend_um], slow_um)
-            && self.keeps([exit.bend_um, end_um], slow_um + facts.clearance_um)
+        self.keeps([start.touch_um, start.bend_um], slow_um)
+            && self.keeps([start.bend_um, end_um], slow_um + facts.clearance_um)
     }
 
     /// Whether all points are at least `apart_um` from a segment.

@@ -23,7 +23,7 @@ const IN_SPACE: u64 = 4;
 
 /// A hand on a section.
 #[derive(Debug, Clone, Copy)]
-pub struct Closer<'a> {
+pub struct RollingChecker<'a> {
     contacts: Contacts<'a>,
     grip: GripModel,
     /// Load at angle 0 of the leg.
@@ -33,10 +33,10 @@ pub struct Closer<'a> {
 /// All contacts, and the load, at an instant.
 type ContactInstant = (Vec<Contact>, Load);
 
-impl<'a> Closer<'a> {
+impl<'a> RollingChecker<'a> {
     /// Checker for a hand on the contacts of a section, under the load at angle 0.
     pub fn of(facts: &FingersFacts, contacts: Contacts<'a>, load: Load) -> Self {
-        Closer { contacts, grip: GripModel::of(facts, contacts.reach_um()).with_reserve(), load }
+        RollingChecker { contacts, grip: GripModel::of(facts, contacts.reach_um()).with_reserve(), load }
     }
 
     fn parts() -> impl Iterator<Item = f64> {
@@ -57,7 +57,7 @@ impl<'a> Closer<'a> {
 
     /// Removes from the layer of an angle the steps in which a grasp lapses: all of them, or as many as the looks
     /// allow.
-    pub fn sift(&self, tables: &mut Tables, layer: usize, angle: i32, looks: &LooksBudget) {
+    pub fn forbid_lapses(&self, tables: &mut Tables, layer: usize, angle: i32, looks: &LooksBudget) {
         let instants: Vec<ContactInstant> =
             Self::parts().map(|part| (self.contacts.after(part), self.load(angle, part))).collect();
         let lasts = |held: &[usize]| {

@@ -2,7 +2,7 @@
 
 use super::rolling;
 use super::sphere::{self, Arc};
-use super::{FingerAct, FingersCourse, HandSections, MAX_MOVES, PreparedSection, WayError};
+use super::{FingerAct, FingersCourse, HandSections, MAX_MOVES, PreparedSection, TipMotionError};
 use crate::device::fingers::{AXES, Plane};
 use crate::plan::fingers::{FingersMotion, HeldGrasp, Stance, TipsMove};
 use crate::real::Real;
@@ -12,12 +12,12 @@ use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector2, Vector3};
 const THERE_UM: f64 = 1e-9;
 
 /// Largest deviation of a tip from its contact, as a share of the tolerance.
-const ADRIFT: f64 = 0.9;
+const MAX_CONTACT_OFFSET: f64 = 0.9;
 
 /// The motion of the fingers in a course.
-pub fn motion(hand: &HandSections, course: &FingersCourse) -> Result<FingersMotion, WayError> {
+pub fn motion(hand: &HandSections, course: &FingersCourse) -> Result<FingersMotion, TipMotionError> {
     if !is_sound(hand, &course.start) {
-        return Err(WayError::Unfit { step: 0 });
+        return Err(TipMotionError::Unfit { step: 0 });
     }
     let mut walk = MotionWalk::new(hand, &course.start);
     let mut steps = Vec::with_capacity(course.steps.len());
@@ -46,7 +46,7 @@ fn is_sound(hand: &HandSections, start: &Stance) -> bool {
 /// Two sections rarely agree on a tip position to the last nanometre. A tip that continues in another plane stays where it is, and
 /// rolls from there: moving it to the exact place of its contact would make it slip and turn the part.
 #[derive(Debug, Clone, Copy, Default)]
-struct Seat {
+struct ContactOffset {
     /// Along the outline, as a rolling coordinate.
     rolled_rad: f64,
     gap_um: f64,
@@ -60,7 +60,7 @@ struct MotionWalk<'a> {
     tips_um: Vec<Vector3<f64>>,
     grasp: Vec<u32>,
     /// Offset of each finger.
-    seats: Vec<Seat>,
+    contact_offsets: Vec<ContactOffset>,
     plane: Plane,
     angle_index: i64,
     position_um: Vector3<f64>,
@@ -73,7 +73,7 @@ struct MotionWalk<'a> {
     count: usize,
     step: usize,
     /// The worst excess beyond a stage's range, and its size.
-    beyond: Option<WayError>,
+    beyond: Option<TipMotionError>,
     worst_um: f64,
 }
 
@@ -82,7 +82,7 @@ impl<'a> MotionWalk<'a> {
         let [w, x, y, z] = start.hold.orientation;
         let mut walk = MotionWalk {
             hand,
-            seats: vec![Seat::default(); start.hold.grasp.len()],
+            contact_offsets: vec![ContactOffset::default(); start.hold.grasp.len()],
             tips_um: start.tips_um.iter().map(|tip| Vector3::from(*tip)).collect(),
             grasp: start.hold.grasp.clone(),
             plane: start.hold.plane,
@@ -96,13 +96,13 @@ impl<'a> MotionWalk<'a> {
             beyond: None,
             worst_um: 0.0,
         };
-        (0..walk.grasp.len()).for_each(|finger| walk.take_seat(finger));
+        (0..walk.grasp.len()).for_each(|finger| walk.measure_contact_offset(finger));
         walk
     }
 
     /// Makes a holding finger continue from the position of its tip.
-    fn take_seat(&mut self, finger: usize) {
-        self.seats[finger] = Seat::default();
+    fn measure_contact_offset(&mut self, finger: usize) {
+        self.contact_offsets[finger] = ContactOffset::default();
         let (contact, Some(side)) = (self.grasp[finger], self.hand.side(self.plane)) else { return };
         if contact == 0 {
             return;
@@ -114,7 +114,7 @@ impl<'a> MotionWalk<'a> {
         let round_rad = f64::from(side.section.contacts) * side.section.step_rad;
         let off_rad =
             side.curve.rolled_rad(nearest.way_um, tip_radius_um) - f64::from(contact - 1) * side.section.step_rad;
-        self.seats[finger] = Seat {
+        self.contact_offsets[finger] = ContactOffset {
             rolled_rad: off_rad - round_rad * (off_rad / round_rad).round(),
             gap_um: nearest.distance_um - tip_radius_um,
             height_um: along(self.plane.normal()),
@@ -122,12 +122,12 @@ impl<'a> MotionWalk<'a> {
     }
 
     /// Distance of a holding tip from the nominal position on its contact.
-    fn adrift_um(&self, finger: usize) -> f64 {
-        let Seat { rolled_rad, gap_um, height_um } = self.seats[finger];
+    fn contact_offset_um(&self, finger: usize) -> f64 {
+        let ContactOffset { rolled_rad, gap_um, height_um } = self.contact_offsets[finger];
         Vector3::new(rolled_rad * self.hand.facts.tip_radius_um, gap_um, height_um).norm()
     }
 
-    fn act(&mut self, act: &FingerAct) -> Result<(), WayError> {
+    fn act(&mut self, act: &FingerAct) -> Result<(), TipMotionError> {
         match act {
             FingerAct::Begin { plane, grasp } => self.begin(*plane, grasp),
             FingerAct::Turn(plane) => self.turn(*plane),
@@ -149,7 +149,7 @@ impl<'a> MotionWalk<'a> {
         }
     }
 
-    fn begin(&mut self, plane: Plane, grasp: &[u32]) -> Result<(), WayError> {
+    fn begin(&mut self, plane: Plane, grasp: &[u32]) -> Result<(), TipMotionError> {
         let is_free = self.grasp.iter().all(|contact| *contact == 0);
         if !is_free || grasp.len() != self.grasp.len() {
             return Err(self.unfit());
@@ -171,7 +171,7 @@ impl<'a> MotionWalk<'a> {
     }
 
     /// Restarts the count of angles for a new turn.
-    fn turn(&mut self, plane: Plane) -> Result<(), WayError> {
+    fn turn(&mut self, plane: Plane) -> Result<(), TipMotionError> {
         self.base = self.orientation(0.0);
         (self.base_index, self.angle_index) = (1, 1);
         if plane != self.plane {
@@ -186,21 +186,21 @@ impl<'a> MotionWalk<'a> {
     }
 
     /// Renumbers a finger's contact for the new plane, in which it must be at the same place.
-    fn cross(&mut self, finger: usize, [old, new]: [Option<u32>; 2]) -> Result<(), WayError> {
+    fn cross(&mut self, finger: usize, [old, new]: [Option<u32>; 2]) -> Result<(), TipMotionError> {
         let contact = self.grasp[finger];
         if contact > 1 {
             self.grasp[finger] = new.filter(|_| old == Some(contact)).ok_or(self.unfit())?;
         }
-        self.take_seat(finger);
-        let off_um = self.adrift_um(finger);
-        if off_um <= ADRIFT * self.hand.facts.tolerance_um {
+        self.measure_contact_offset(finger);
+        let off_um = self.contact_offset_um(finger);
+        if off_um <= MAX_CONTACT_OFFSET * self.hand.facts.tolerance_um {
             return Ok(());
         }
-        Err(WayError::Adrift { step: self.step, finger, contact: self.grasp[finger], off_um })
+        Err(TipMotionError::OffContact { step: self.step, finger, contact: self.grasp[finger], off_um })
     }
 
     /// Rolls by one step of the turn, in chords of equal angles.
-    fn roll(&mut self, sense: i64) -> Result<(), WayError> {
+    fn roll(&mut self, sense: i64) -> Result<(), TipMotionError> {
         let side = self.side()?;
         if self.grasp.iter().filter(|contact| **contact != 0).count() < 2 {
             return Err(self.unfit());
@@ -226,7 +226,7 @@ impl<'a> MotionWalk<'a> {
     }
 
     /// Moves a free finger to a contact: on its sphere to the end of the approach path, then inward, slowly at the end.
-    fn come(&mut self, finger: usize, contact: u32) -> Result<(), WayError> {
+    fn come(&mut self, finger: usize, contact: u32) -> Result<(), TipMotionError> {
         if self.grasp.get(finger) != Some(&0) || contact == 0 {
             return Err(self.unfit());
         }
@@ -239,12 +239,12 @@ impl<'a> MotionWalk<'a> {
         self.shift(finger, bend_um, self.hand.facts.speed_um_per_s)?;
         self.shift(finger, touch_um, self.hand.facts.approach_um_per_s)?;
         self.grasp[finger] = contact;
-        self.seats[finger] = Seat::default();
+        self.contact_offsets[finger] = ContactOffset::default();
         Ok(())
     }
 
     /// Moves a finger from its contact back to its sphere.
-    fn go(&mut self, finger: usize) -> Result<(), WayError> {
+    fn go(&mut self, finger: usize) -> Result<(), TipMotionError> {
         let contact = self.grasp.get(finger).copied().filter(|contact| *contact != 0).ok_or(self.unfit())?;
         self.grasp[finger] = 0;
         let [_, bend_um, end_um] = self.way(finger, contact)?;
@@ -253,14 +253,14 @@ impl<'a> MotionWalk<'a> {
         self.shift(finger, end_um, self.hand.facts.speed_um_per_s)
     }
 
-    fn release(&mut self, order: &[usize]) -> Result<(), WayError> {
+    fn release(&mut self, order: &[usize]) -> Result<(), TipMotionError> {
         order.iter().try_for_each(|finger| self.go(*finger))?;
         let is_free = self.grasp.iter().all(|contact| *contact == 0);
         self.record();
         if is_free { Ok(()) } else { Err(self.unfit()) }
     }
 
-    fn translate(&mut self, by_um: Vector3<f64>) -> Result<(), WayError> {
+    fn translate(&mut self, by_um: Vector3<f64>) -> Result<(), TipMotionError> {
         self.position_um += by_um;
         let tips_um: Vec<Vector3<f64>> = self.tips_um.iter().map(|tip| tip + by_um).collect();
         // Free tips move along.
@@ -272,7 +272,7 @@ impl<'a> MotionWalk<'a> {
     }
 
     /// Moves free fingers aside, on their spheres, if a segment would come too near to their tips.
-    fn clear(&mut self, finger: usize, segment: [Vector3<f64>; 2]) -> Result<(), WayError> {
+    fn clear(&mut self, finger: usize, segment: [Vector3<f64>; 2]) -> Result<(), TipMotionError> {
         let facts = self.hand.facts;
         let apart_um = 2.0 * facts.tip_radius_um + facts.clearance_um;
         let segment = segment.map(|point| point - self.position_um);
@@ -290,7 +290,7 @@ impl<'a> MotionWalk<'a> {
     }
 
     /// Moves a free finger along a great circle of its sphere, except for the last chord.
-    fn travel(&mut self, finger: usize, arc: Arc) -> Result<(), WayError> {
+    fn travel(&mut self, finger: usize, arc: Arc) -> Result<(), TipMotionError> {
         let facts = self.hand.facts;
         let radius_um = self.hand.sphere_um(finger);
         let chords = arc.chords(radius_um, facts.tolerance_um).ok_or(self.too_fine())?;
@@ -302,7 +302,7 @@ impl<'a> MotionWalk<'a> {
     }
 
     /// Touch, bend and end of a finger's path to or from a contact, in the hand's frame, given the other holding fingers.
-    fn way(&self, finger: usize, contact: u32) -> Result<[Vector3<f64>; 3], WayError> {
+    fn way(&self, finger: usize, contact: u32) -> Result<[Vector3<f64>; 3], TipMotionError> {
         let reach = self.side()?.reach;
         let index = |contact: &u32| *contact as usize - 1;
         let holding: Vec<usize> = self.grasp.iter().filter(|contact| **contact != 0).map(index).collect();
@@ -316,14 +316,14 @@ impl<'a> MotionWalk<'a> {
     }
 
     /// The centre of a holding tip, in the hand's frame, after the part has rolled further by an angle.
-    fn touch(&self, finger: usize, rolled_rad: f64) -> Result<Vector3<f64>, WayError> {
-        let (side, seat) = (self.side()?, self.seats[finger]);
-        let from_rad = f64::from(self.grasp[finger] - 1) * side.section.step_rad + seat.rolled_rad;
+    fn touch(&self, finger: usize, rolled_rad: f64) -> Result<Vector3<f64>, TipMotionError> {
+        let (side, offset) = (self.side()?, self.contact_offsets[finger]);
+        let from_rad = f64::from(self.grasp[finger] - 1) * side.section.step_rad + offset.rolled_rad;
         let (tip, normal_rad) = rolling::tip(side.curve, self.hand.facts, from_rad - rolled_rad);
         let (sin, cos) = normal_rad.sine_cosine();
         let orientation = self.orientation(rolled_rad);
         let across = orientation * Vector3::from(self.plane.normal());
-        Ok(self.placed(orientation, tip + Vector2::new(cos, sin) * seat.gap_um) + across * seat.height_um)
+        Ok(self.placed(orientation, tip + Vector2::new(cos, sin) * offset.gap_um) + across * offset.height_um)
     }
 
     fn placed(&self, orientation: UnitQuaternion<f64>, place: Vector2<f64>) -> Vector3<f64> {
@@ -339,25 +339,25 @@ impl<'a> MotionWalk<'a> {
         self.base * UnitQuaternion::from_axis_angle(&axis, steps * step_rad + further_rad)
     }
 
-    fn side(&self) -> Result<PreparedSection<'a>, WayError> {
+    fn side(&self) -> Result<PreparedSection<'a>, TipMotionError> {
         self.hand.side(self.plane).ok_or(self.unfit())
     }
 
     /// Moves one finger in a straight line.
-    fn shift(&mut self, finger: usize, to_um: Vector3<f64>, speed_um_per_s: f64) -> Result<(), WayError> {
+    fn shift(&mut self, finger: usize, to_um: Vector3<f64>, speed_um_per_s: f64) -> Result<(), TipMotionError> {
         let mut tips_um = self.tips_um.clone();
         tips_um[finger] = to_um;
         self.glide(tips_um, speed_um_per_s)
     }
 
     /// Moves all tips in straight lines, the fastest one at the given speed.
-    fn glide(&mut self, tips_um: Vec<Vector3<f64>>, speed_um_per_s: f64) -> Result<(), WayError> {
+    fn glide(&mut self, tips_um: Vec<Vector3<f64>>, speed_um_per_s: f64) -> Result<(), TipMotionError> {
         let lengths = tips_um.iter().zip(&self.tips_um).map(|(to, from)| (to - from).norm());
         let longest_um = lengths.fold(0.0, f64::max);
         if longest_um <= THERE_UM { Ok(()) } else { self.push(duration_ns(longest_um, speed_um_per_s), tips_um) }
     }
 
-    fn push(&mut self, duration_ns: u64, tips_um: Vec<Vector3<f64>>) -> Result<(), WayError> {
+    fn push(&mut self, duration_ns: u64, tips_um: Vec<Vector3<f64>>) -> Result<(), TipMotionError> {
         if self.count + self.moves.len() >= MAX_MOVES {
             return Err(self.too_fine());
         }
@@ -392,22 +392,22 @@ impl<'a> MotionWalk<'a> {
                 let beyond_um = if over_um.is_nan() { f64::INFINITY } else { over_um };
                 if beyond_um > self.worst_um {
                     self.worst_um = beyond_um;
-                    self.beyond = Some(WayError::Range { step: self.step, finger, axis, beyond_um });
+                    self.beyond = Some(TipMotionError::Range { step: self.step, finger, axis, beyond_um });
                 }
             }
         }
     }
 
-    fn unfit(&self) -> WayError {
-        WayError::Unfit { step: self.step }
+    fn unfit(&self) -> TipMotionError {
+        TipMotionError::Unfit { step: self.step }
     }
 
-    fn too_fine(&self) -> WayError {
-        WayError::TooFine { step: self.step }
+    fn too_fine(&self) -> TipMotionError {
+        TipMotionError::TooFine { step: self.step }
     }
 
-    fn blocked(&self, finger: usize, contact: u32) -> WayError {
-        WayError::Blocked { step: self.step, finger, contact }
+    fn blocked(&self, finger: usize, contact: u32) -> TipMotionError {
+        TipMotionError::Blocked { step: self.step, finger, contact }
     }
 }
 

@@ -17,7 +17,7 @@ pub struct TipStay {
 
 /// Occupied areas of another robot in order of time, and the gap to keep from it.
 #[derive(Debug, Clone, Copy)]
-pub struct Other<'a> {
+pub struct OtherRobot<'a> {
     pub stretches: &'a [TipStay],
     pub gap_um: f64,
 }
@@ -33,7 +33,7 @@ pub enum TimedAct {
 
 /// A path, and when it may begin.
 #[derive(Debug, Clone)]
-pub struct TimedWay {
+pub struct TimedPath {
     /// From this instant on the robot stands at the start of the path.
     pub since_ns: u64,
     /// From this instant on it may move.
@@ -49,7 +49,7 @@ pub struct TimedWay {
 
 /// Why no timing of the path exists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StuckWay {
+pub enum NoTiming {
     /// Another robot always blocks the path; this is the first meeting without delays.
     Met(TipMeeting),
     /// The budget of comparisons is spent.
@@ -79,18 +79,18 @@ struct Arrival {
     pulse_ns: u64,
 }
 
-impl TimedWay {
+impl TimedPath {
     /// Delay before each pulse, for the earliest end of the path.
     ///
     /// # Errors
-    /// See [`StuckWay`]. `allowed` is the remaining number of comparisons and is decremented.
-    pub fn delays(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<u64>, StuckWay> {
+    /// See [`NoTiming`]. `allowed` is the remaining number of comparisons and is decremented.
+    pub fn delays(&self, others: &[OtherRobot], allowed: &mut u64) -> Result<Vec<u64>, NoTiming> {
         let at_once = vec![0; self.acts.iter().filter(|act| matches!(act, TimedAct::Pulse { .. })).count()];
         let Some(meeting) = self.first_meeting(others, allowed)? else { return Ok(at_once) };
         let levels = self.levels(others, allowed)?;
         let last = levels.last().map(Vec::as_slice).unwrap_or_default();
         let best = (0..last.len()).filter(|at| last[*at].until_ns == u64::MAX).min_by_key(|at| last[*at].ready_ns);
-        best.map(|best| self.traced(&levels, best)).ok_or(StuckWay::Met(meeting))
+        best.map(|best| self.traced(&levels, best)).ok_or(NoTiming::Met(meeting))
     }
 
     /// Areas of the tip over time, given a delay before each pulse; and the end of the last rest or wait.
@@ -114,7 +114,7 @@ impl TimedWay {
     }
 
     /// The first meeting when every pulse comes as early as the robot can.
-    fn first_meeting(&self, others: &[Other], allowed: &mut u64) -> Result<Option<TipMeeting>, StuckWay> {
+    fn first_meeting(&self, others: &[OtherRobot], allowed: &mut u64) -> Result<Option<TipMeeting>, NoTiming> {
         let (own, _) = self.stretches(&[]);
         let mut first: Option<TipMeeting> = None;
         for (with, other) in others.iter().enumerate() {
@@ -138,7 +138,7 @@ impl TimedWay {
     }
 
     /// The arrivals at the start, then those after each act.
-    fn levels(&self, others: &[Other], allowed: &mut u64) -> Result<Vec<Vec<Arrival>>, StuckWay> {
+    fn levels(&self, others: &[OtherRobot], allowed: &mut u64) -> Result<Vec<Vec<Arrival>>, NoTiming> {
         let mut here = self.free(&self.from, others, allowed)?;
         let stands = here.iter().filter(|[from, to]| *from <= self.since_ns && self.start_ns <= *to);
         let begin = stands.map(|[_, to]| Arrival { ready_ns: self.start_ns, until_ns: *to, before: 0, pulse_ns: 0 });
@@ -202,7 +202,7 @@ impl TimedWay {
     }
 
     /// The intervals in which no other tip is near an area, from the instant at which the robot stands at the start of its path.
-    fn free(&self, area: &Area, others: &[Other], allowed: &mut u64) -> Result<Free, StuckWay> {
+    fn free(&self, area: &Area, others: &[OtherRobot], allowed: &mut u64) -> Result<Free, NoTiming> {
         let mut taken: Vec<[u64; 2]> = Vec::new();
         for other in others {
             let from = other.stretches.partition_point(|stretch| stretch.end_ns < self.since_ns);
@@ -236,7 +236,7 @@ fn waited(last: &[Arrival], duration_ns: u64) -> Vec<Arrival> {
     later.filter(|arrival| arrival.ready_ns <= arrival.until_ns).collect()
 }
 
-fn spend(allowed: &mut u64) -> Result<(), StuckWay> {
-    *allowed = allowed.checked_sub(1).ok_or(StuckWay::Spent)?;
+fn spend(allowed: &mut u64) -> Result<(), NoTiming> {
+    *allowed = allowed.checked_sub(1).ok_or(NoTiming::Spent)?;
     Ok(())
 }

@@ -27,7 +27,11 @@ use tries::{FoundPlans, TryFailure, TryReason, attempt, tries};
 const COMPARISONS: u64 = 400_000_000;
 
 /// Plans robots that share a scene so that they never touch; `None` if no such plans were found, which has been reported.
-pub fn apart<'a>(claims: &'a Claims, plans: Vec<Plan<Motion<'a>>>, sink: &mut Sink) -> Option<Vec<Plan<Motion<'a>>>> {
+pub fn avoid_collisions<'a>(
+    claims: &'a Claims,
+    plans: Vec<Plan<Motion<'a>>>,
+    sink: &mut Sink,
+) -> Option<Vec<Plan<Motion<'a>>>> {
     if claims.shared.is_empty() {
         return Some(plans);
     }

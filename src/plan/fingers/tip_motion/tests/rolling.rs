@@ -2,7 +2,7 @@
 //! form.
 
 use super::*;
-use crate::plan::fingers::ways::rolling::{chords, tip};
+use crate::plan::fingers::tip_motion::rolling::{chords, tip};
 
 /// A tip's centre after the part has turned by an angle, by integration: the tip moves like the material of the part at the
 /// contact, and the contact is the nearest point of the outline.
@@ -90,5 +90,5 @@ fn too_fine_a_tolerance_is_refused() {
     let bench = Bench::new(ellipse(), FingersFacts { tolerance_um: 1e-9, ..facts(3) });
     assert_eq!(chords(&bench.curve, &bench.facts, bench.section.step_rad), None);
     let course = bench.course(vec![begin(Plane::Xy, &[1, 38, 0]), FingerAct::Roll(1)]);
-    assert_eq!(bench.hand().motion(&course), Err(WayError::TooFine { step: 0 }));
+    assert_eq!(bench.hand().motion(&course), Err(TipMotionError::TooFine { step: 0 }));
 }

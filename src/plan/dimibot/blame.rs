@@ -51,11 +51,12 @@ pub enum Opening {
     Unknown,
 }
 
-/// Why there is no path from `start` to `goal`: `None` if there is one, or if one of the two is not a cell of the lattice.
+/// The obstacles to blame for the lack of a path from `start` to `goal`: `None` if there is a path, or if one of the two is not a
+/// cell of the lattice.
 ///
 /// `obstacles` must be the list from which `field` was built. The proof that there is no path is repeated only up to
 /// about a million cells; beyond that the caller must have proven it, since claims about the smallest set rest on it.
-pub fn why(
+pub fn blame(
     field: &LatticeField,
     obstacles: &[FieldObstacle],
     start: LatticeCell,
@@ -70,17 +71,18 @@ pub fn why(
     let mut meter = Meter::new(budget);
     match scene.trial(&covering, &mut meter) {
         BlameTrial::Open if covering.is_empty() => None,
-        BlameTrial::Open => Some(blame(covering, Opening::Smallest)),
+        BlameTrial::Open => Some(ObstacleBlame::of(covering, Opening::Smallest)),
         BlameTrial::Shut | BlameTrial::Unknown => {
-            let why = scene.search(covering, &mut meter);
-            (!why.obstacles.is_empty()).then_some(why)
+            let found = scene.search(covering, &mut meter);
+            (!found.obstacles.is_empty()).then_some(found)
         }
     }
 }
 
-fn blame(set: BTreeSet<usize>, opening: Opening) -> ObstacleBlame {
-    let obstacles = set.into_iter().collect();
-    ObstacleBlame { obstacles, opening }
+impl ObstacleBlame {
+    fn of(set: BTreeSet<usize>, opening: Opening) -> ObstacleBlame {
+        ObstacleBlame { obstacles: set.into_iter().collect(), opening }
+    }
 }
 
 struct BlamedScene<'a> {
@@ -103,18 +105,18 @@ impl BlamedScene<'_> {
         let few = (self.obstacles.len() <= MAX_SUSPECTS).then(|| (0..self.obstacles.len()).collect());
         let singles = match border.as_ref().or(few.as_ref()) {
             Some(suspects) => self.single(suspects, &covering, meter),
-            None => Singles::NotTried,
+            None => SingleRemovals::NotTried,
         };
-        if let Singles::Opens(set) = singles {
-            return blame(set, Opening::Smallest);
+        if let SingleRemovals::Opens(set) = singles {
+            return ObstacleBlame::of(set, Opening::Smallest);
         }
         // If no single obstacle opens a path, at least two are needed.
-        let least = if matches!(singles, Singles::None) { 2 } else { 1 };
-        match Crossing::new(self.field, &covering).run(from, to, meter) {
+        let least = if matches!(singles, SingleRemovals::None) { 2 } else { 1 };
+        match ObstacleCrossingSearch::new(self.field, &covering).run(from, to, meter) {
             Some(set) => self.filter(set, &covering, least, meter),
             None => {
                 let named = border.unwrap_or_default().into_iter().take(MAX_BORDER);
-                blame(covering.into_iter().chain(named).collect(), Opening::Unknown)
+                ObstacleBlame::of(covering.into_iter().chain(named).collect(), Opening::Unknown)
             }
         }
     }
@@ -181,15 +183,15 @@ impl BlamedScene<'_> {
     }
 
     /// The first single obstacle whose removal, besides those that cover an end, opens a path.
-    fn single(&self, border: &BTreeSet<usize>, covering: &BTreeSet<usize>, meter: &mut Meter) -> Singles {
-        let mut answer = Singles::None;
+    fn single(&self, border: &BTreeSet<usize>, covering: &BTreeSet<usize>, meter: &mut Meter) -> SingleRemovals {
+        let mut answer = SingleRemovals::None;
         for obstacle in border {
             let mut set = covering.clone();
             set.insert(*obstacle);
             match self.trial(&set, meter) {
-                BlameTrial::Open => return Singles::Opens(set),
+                BlameTrial::Open => return SingleRemovals::Opens(set),
                 BlameTrial::Shut => {}
-                BlameTrial::Unknown => answer = Singles::NotTried,
+                BlameTrial::Unknown => answer = SingleRemovals::NotTried,
             }
         }
         answer
@@ -216,11 +218,11 @@ impl BlamedScene<'_> {
         if set.len() == covering.len() + least {
             opening = Opening::Smallest;
         }
-        blame(set, opening)
+        ObstacleBlame::of(set, opening)
     }
 }
 
-enum Singles {
+enum SingleRemovals {
     Opens(BTreeSet<usize>),
     None,
     NotTried,
@@ -282,7 +284,7 @@ fn flips(field: &LatticeField) -> impl Iterator<Item = Flip> + use<> {
 }
 
 /// A best-first search by the number of distinct obstacles crossed.
-struct Crossing<'a> {
+struct ObstacleCrossingSearch<'a> {
     field: &'a LatticeField,
     /// Sets of obstacles, ascending; the index is the set's number.
     sets: Vec<Vec<usize>>,
@@ -292,10 +294,10 @@ struct Crossing<'a> {
     queue: Vec<Vec<(LatticeCell, usize)>>,
 }
 
-impl<'a> Crossing<'a> {
+impl<'a> ObstacleCrossingSearch<'a> {
     fn new(field: &'a LatticeField, removed: &BTreeSet<usize>) -> Self {
         let first: Vec<usize> = removed.iter().copied().collect();
-        Crossing {
+        ObstacleCrossingSearch {
             field,
             numbers: FxHashMap::from_iter([(first.clone(), 0)]),
             sets: vec![first],

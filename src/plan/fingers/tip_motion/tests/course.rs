@@ -145,7 +145,9 @@ fn stages_stay_within_their_range() {
     for axis in 0..3 {
         let mut less = just;
         less[axis] -= 0.5;
-        let Err(WayError::Range { axis: named, beyond_um, .. }) = carried_out(less) else { panic!("axis {axis}") };
+        let Err(TipMotionError::Range { axis: named, beyond_um, .. }) = carried_out(less) else {
+            panic!("axis {axis}")
+        };
         assert_eq!(named, axis);
         assert!((beyond_um - 0.5).abs() < 1e-9, "{beyond_um}");
     }
@@ -156,7 +158,7 @@ fn what_is_not_a_number_lies_nowhere() {
     let bench = Bench::new(ellipse(), facts(3));
     for by_um in [f64::NAN, f64::INFINITY, f64::MAX] {
         let course = bench.course(vec![FingerAct::Translate([0.0, by_um, 0.0])]);
-        let Err(WayError::Range { axis, .. }) = bench.hand().motion(&course) else { panic!("{by_um}") };
+        let Err(TipMotionError::Range { axis, .. }) = bench.hand().motion(&course) else { panic!("{by_um}") };
         assert_eq!(axis, 1);
     }
 }
@@ -183,13 +185,13 @@ fn acts_that_do_not_fit_are_refused() {
     ];
     for acts in refused {
         let course = bench.course(acts.clone());
-        assert_eq!(bench.hand().motion(&course), Err(WayError::Unfit { step: 0 }), "{acts:?}");
+        assert_eq!(bench.hand().motion(&course), Err(TipMotionError::Unfit { step: 0 }), "{acts:?}");
     }
     let course = bench.course(vec![hold(), place(2, 3)]);
-    assert_eq!(bench.hand().motion(&course), Err(WayError::Blocked { step: 0, finger: 2, contact: 3 }));
+    assert_eq!(bench.hand().motion(&course), Err(TipMotionError::Blocked { step: 0, finger: 2, contact: 3 }));
     let flat = HandSections { xz: None, ..bench.hand() };
     let course = bench.course(vec![hold(), FingerAct::Turn(Plane::Xz)]);
-    assert_eq!(flat.motion(&course), Err(WayError::Unfit { step: 0 }));
+    assert_eq!(flat.motion(&course), Err(TipMotionError::Unfit { step: 0 }));
 }
 
 #[test]
@@ -200,7 +202,7 @@ fn stances_of_another_hand_are_refused() {
     for edit in edits {
         let mut course = bench.course(vec![FingerAct::Wait(1)]);
         edit(&mut course.start);
-        assert_eq!(bench.hand().motion(&course), Err(WayError::Unfit { step: 0 }));
+        assert_eq!(bench.hand().motion(&course), Err(TipMotionError::Unfit { step: 0 }));
     }
 }
 

@@ -6,7 +6,7 @@
 
 use super::greedy::{alone, grasp};
 use super::route::cheapest_of_few;
-use super::{Estimator, GraspAnswer, GraspRequest, Regrasp, Start, TurnLeg, Within};
+use super::{Estimator, GraspAnswer, GraspRequest, GraspSearchLimits, Regrasp, Start, TurnLeg};
 use crate::plan::search::Meter;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -38,7 +38,7 @@ pub fn bounds(request: &GraspRequest, estimator: Estimator, meter: &mut Meter) -
             let cost = match known.iter().find(|known| known.is(leg, next, start)) {
                 Some(known) => known.cost,
                 None => {
-                    let cost = apart(request, leg, next, start, estimator, meter)?;
+                    let cost = leg_cost(request, leg, next, start, estimator, meter)?;
                     known.push(KnownLeg { leg, next, start, cost });
                     cost
                 }
@@ -77,7 +77,7 @@ fn begins(request: &GraspRequest, route: &[TurnLeg], at: usize) -> Start {
 }
 
 /// Cost of a leg alone: `Some(None)` if it has no path, `None` if a budget runs out.
-fn apart(
+fn leg_cost(
     request: &GraspRequest,
     leg: &TurnLeg,
     next: Option<&TurnLeg>,
@@ -86,9 +86,9 @@ fn apart(
     meter: &mut Meter,
 ) -> Option<Option<u64>> {
     let routes = vec![alone(leg, next)];
-    let within = Within { gaits: None, looks: Rc::clone(&request.within.looks) };
+    let limits = GraspSearchLimits { gaits: None, looks: Rc::clone(&request.limits.looks) };
     match cheapest_of_few(
-        &GraspRequest { fingers: request.fingers, start, routes, costs: request.costs, within },
+        &GraspRequest { fingers: request.fingers, start, routes, costs: request.costs, limits },
         estimator,
         meter,
     ) {

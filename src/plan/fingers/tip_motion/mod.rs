@@ -84,14 +84,14 @@ pub enum FingerAct {
 
 /// Reason why a course cannot be executed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum WayError {
+pub enum TipMotionError {
     /// A stage would exceed its range: the greatest excess in the whole course. Step, finger and axis count from 0.
     Range { step: usize, finger: usize, axis: usize, beyond_um: f64 },
     /// No path to or from a contact, counted from 1, is clear of the part and the holding tips.
     Blocked { step: usize, finger: usize, contact: u32 },
     /// A finger, counted from 0, that continues in another plane is too far from the contact there, counted from 1: each change of
     /// plane may add the difference between the outlines.
-    Adrift { step: usize, finger: usize, contact: u32, off_um: f64 },
+    OffContact { step: usize, finger: usize, contact: u32, off_um: f64 },
     /// The tolerance requires too many chords.
     TooFine { step: usize },
     /// The act does not fit the current state; no plan contains such an act.
@@ -134,8 +134,8 @@ impl<'a> HandSections<'a> {
     /// The motion of the fingers in a course.
     ///
     /// # Errors
-    /// See [`WayError`]; [`WayError::Range`] only if nothing else is wrong.
-    pub fn motion(&self, course: &FingersCourse) -> Result<FingersMotion, WayError> {
+    /// See [`TipMotionError`]; [`TipMotionError::Range`] only if nothing else is wrong.
+    pub fn motion(&self, course: &FingersCourse) -> Result<FingersMotion, TipMotionError> {
         motion::motion(self, course)
     }
 }

@@ -8,19 +8,19 @@ use super::{Grasp, GraspAnswer, GraspPath, GraspRequest, Start};
 use crate::device::fingers::{MAX_FINGERS, MAX_HOLDING};
 
 /// The answer to a request, searched with the fewest fingers that suffice.
-pub fn by_few(request: &GraspRequest, solve: impl Fn(&GraspRequest) -> GraspAnswer) -> GraspAnswer {
-    let kept = kept(request);
+pub fn with_fewest_fingers(request: &GraspRequest, solve: impl Fn(&GraspRequest) -> GraspAnswer) -> GraspAnswer {
+    let kept = representative_fingers(request);
     if kept.len() == request.fingers {
         return solve(request);
     }
-    let few = |grasp: Grasp| moved(grasp, |to| kept.get(to).copied());
+    let reduced = |grasp: Grasp| moved(grasp, |to| kept.get(to).copied());
     let mut fewer = request.clone();
     fewer.fingers = kept.len();
     if let Start::At(grasp) = request.start {
-        fewer.start = Start::At(few(grasp));
+        fewer.start = Start::At(reduced(grasp));
     }
     for leg in fewer.routes.iter_mut().flatten() {
-        leg.end = leg.end.map(few);
+        leg.end = leg.end.map(reduced);
     }
     match solve(&fewer) {
         GraspAnswer::Found(way) => GraspAnswer::Found(restored(way, &kept)),
@@ -29,7 +29,7 @@ pub fn by_few(request: &GraspRequest, solve: impl Fn(&GraspRequest) -> GraspAnsw
 }
 
 /// The named fingers, and up to three more.
-fn kept(request: &GraspRequest) -> Vec<usize> {
+fn representative_fingers(request: &GraspRequest) -> Vec<usize> {
     let start = match request.start {
         Start::At(grasp) => Some(grasp),
         Start::Any => None,

@@ -27,7 +27,7 @@ struct TipLeg {
 
 /// The path of a free finger since it left its last contact.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Pace {
+pub(super) struct TipPath {
     /// The contact that it left; `None` once it is far enough from it.
     left_um: Option<Point>,
     legs: Vec<TipLeg>,
@@ -35,7 +35,7 @@ pub(super) struct Pace {
 
 /// A tip that is too fast.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Fast {
+pub(super) struct SpeedExcess {
     pub time_ns: u64,
     pub um_per_s: f64,
     pub due_um_per_s: f64,
@@ -50,11 +50,11 @@ impl TipLeg {
         TipLeg { start_ns: stretch.start_ns, from_um, to_um, um_per_s: (to_um - from_um).norm() / seconds }
     }
 
-    fn against(&self, due_um_per_s: f64, doing: &'static str) -> Result<(), Fast> {
+    fn against(&self, due_um_per_s: f64, doing: &'static str) -> Result<(), SpeedExcess> {
         let &TipLeg { start_ns: time_ns, um_per_s, .. } = self;
         match um_per_s <= due_um_per_s * (1.0 + TOO_FAST) {
             true => Ok(()),
-            false => Err(Fast { time_ns, um_per_s, due_um_per_s, doing }),
+            false => Err(SpeedExcess { time_ns, um_per_s, due_um_per_s, doing }),
         }
     }
 
@@ -72,25 +72,25 @@ fn is_near(distance_um: f64, facts: &FingersFacts) -> bool {
     distance_um < facts.retract_um.max(facts.clearance_um) - NEAR_UM
 }
 
-impl Pace {
+impl TipPath {
     /// The path of a finger that leaves a contact.
     pub fn from(left_um: Point) -> Self {
-        Pace { left_um: Some(left_um), legs: Vec::new() }
+        TipPath { left_um: Some(left_um), legs: Vec::new() }
     }
 
     /// Checks the speed of a holding tip along a stretch.
-    pub fn holds(stretch: &Stretch, finger: usize, facts: &FingersFacts) -> Result<(), Fast> {
+    pub fn holds(stretch: &Stretch, finger: usize, facts: &FingersFacts) -> Result<(), SpeedExcess> {
         TipLeg::of(stretch, finger).against(facts.rolling_um_per_s, "holds")
     }
 
     /// Ends the flight of a tip without a contact, because the part moves or the run ends.
-    pub fn settle(&mut self, facts: &FingersFacts) -> Result<(), Fast> {
+    pub fn settle(&mut self, facts: &FingersFacts) -> Result<(), SpeedExcess> {
         let legs = take(self).legs;
         legs.iter().try_for_each(|leg| leg.against(facts.speed_um_per_s, "is free"))
     }
 
     /// Checks the speed of a free tip along a stretch.
-    pub fn follow(&mut self, stretch: &Stretch, finger: usize, facts: &FingersFacts) -> Result<(), Fast> {
+    pub fn follow(&mut self, stretch: &Stretch, finger: usize, facts: &FingersFacts) -> Result<(), SpeedExcess> {
         let leg = TipLeg::of(stretch, finger);
         if let Some(left_um) = self.left_um {
             self.left_um = Some(left_um).filter(|left_um| is_near((leg.to_um - left_um).norm(), facts));
@@ -102,7 +102,7 @@ impl Pace {
 
     /// Ends the flight at a contact: the tip must have been slow on the last section of its path, and no faster than a
     /// free one before.
-    pub fn lands(&mut self, contact_um: &Point, facts: &FingersFacts) -> Result<(), Fast> {
+    pub fn lands(&mut self, contact_um: &Point, facts: &FingersFacts) -> Result<(), SpeedExcess> {
         self.left_um = None;
         let legs = take(&mut self.legs);
         let outside = |leg: &TipLeg| !is_near((leg.from_um - contact_um).norm(), facts);

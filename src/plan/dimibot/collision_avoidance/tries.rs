@@ -2,7 +2,7 @@
 //! robots planned later make way.
 
 use super::delayed;
-use super::timing::{Other, StuckWay, TimedAct, TimedWay, TipStay};
+use super::timing::{NoTiming, OtherRobot, TimedAct, TimedPath, TipStay};
 use super::tips::PlacedRobot;
 use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder};
 use crate::claims::{Claims, Job, Order, Timeline};
@@ -23,17 +23,17 @@ const MAX_PLACES: usize = 2_000;
 
 /// Assumption about robots not yet planned, while the earlier ones are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum BystanderManners {
+enum UnplannedRobots {
     /// They will leave in time by their own plans.
-    MakeWay,
+    WillLeave,
     /// They stay where they are.
-    Stay,
+    StayPut,
 }
 
 /// Policy for planning a program.
 #[derive(Debug, Clone)]
 pub struct Policy {
-    manners: BystanderManners,
+    unplanned: UnplannedRobots,
     /// Order in which the branches of a `together` are planned, as indices of the written order.
     order: Vec<usize>,
 }
@@ -103,8 +103,8 @@ struct PlannedTrace {
 pub fn tries(claims: &Claims, robots: &BTreeMap<&str, PlacedRobot>) -> Vec<Policy> {
     let branches = most_branches(&claims.timeline, claims, robots);
     let orders = orders(branches);
-    let of = |manners| orders.iter().map(move |order| Policy { manners, order: order.clone() });
-    of(BystanderManners::MakeWay).chain(of(BystanderManners::Stay)).collect()
+    let of = |unplanned| orders.iter().map(move |order| Policy { unplanned, order: order.clone() });
+    of(UnplannedRobots::WillLeave).chain(of(UnplannedRobots::StayPut)).collect()
 }
 
 /// Orders of `branches` branches: all permutations of a few; of many, rotations of the written order (six at most) and
@@ -241,14 +241,16 @@ impl<'a> Try<'a, '_> {
         order: &DimibotOrder,
         alone: &Plan<DimibotMotion>,
         start_ns: u64,
-    ) -> Result<(Plan<DimibotMotion>, TimedWay, Vec<u64>), TryFailure> {
+    ) -> Result<(Plan<DimibotMotion>, TimedPath, Vec<u64>), TryFailure> {
         let job = &self.claims.jobs[index];
         let mut failure = None;
-        let mut best: Option<(Plan<DimibotMotion>, TimedWay, Vec<u64>)> = None;
-        for round in Round::ALL {
-            let plan = match round {
-                Round::Nothing => Some(alone.clone()),
-                Round::WhereTheyStay | Round::WhereTheyCome => self.round(index, robot, order, alone, round, start_ns),
+        let mut best: Option<(Plan<DimibotMotion>, TimedPath, Vec<u64>)> = None;
+        for avoided in Avoided::ALL {
+            let plan = match avoided {
+                Avoided::Nothing => Some(alone.clone()),
+                Avoided::FinalPositions | Avoided::AllPositions => {
+                    self.detour(index, robot, order, alone, avoided, start_ns)
+                }
             };
             let Some(plan) = plan else { continue };
             let way = self.way(job, robot, &plan.motion, start_ns);
@@ -275,7 +277,7 @@ impl<'a> Try<'a, '_> {
         best.ok_or_else(|| failure.unwrap_or_else(|| self.failure(TryReason::NoWay, index, None, start_ns)))
     }
 
-    fn way(&self, job: &Job, robot: &PlacedRobot, motion: &DimibotMotion, start_ns: u64) -> TimedWay {
+    fn way(&self, job: &Job, robot: &PlacedRobot, motion: &DimibotMotion, start_ns: u64) -> TimedPath {
         let mut cell = motion.start;
         let mut acts = Vec::new();
         for step in &motion.steps {
@@ -294,29 +296,29 @@ impl<'a> Try<'a, '_> {
         let pulse_ns = robot.facts.pulse_duration_ns;
         let slot_ns = pulse_ns + robot.facts.rest_ns;
         let grain_ns = grain_ns(self.robots);
-        TimedWay { since_ns, start_ns, from: robot.at(motion.start), acts, pulse_ns, slot_ns, grain_ns }
+        TimedPath { since_ns, start_ns, from: robot.at(motion.start), acts, pulse_ns, slot_ns, grain_ns }
     }
 
-    fn delays(&mut self, index: usize, way: &TimedWay) -> Result<Vec<u64>, TryFailure> {
+    fn delays(&mut self, index: usize, way: &TimedPath) -> Result<Vec<u64>, TryFailure> {
         let own = self.claims.jobs[index].device.as_str();
         let names: Vec<&str> = self.neighbours(own);
-        let others: Vec<Other> = names.iter().map(|name| self.other(own, name)).collect();
+        let others: Vec<OtherRobot> = names.iter().map(|name| self.other(own, name)).collect();
         let mut allowed = *self.allowed;
         let delays = way.delays(&others, &mut allowed);
         drop(others);
         *self.allowed = allowed;
         delays.map_err(|stuck| match stuck {
-            StuckWay::Met(meeting) => {
+            NoTiming::Met(meeting) => {
                 let with = names[meeting.with];
                 let reason = if self.end_together(own, way, with) { TryReason::EndTogether } else { TryReason::Met };
                 self.failure(reason, index, Some(with), meeting.at_ns)
             }
-            StuckWay::Spent => self.failure(TryReason::Spent, index, None, way.start_ns),
+            NoTiming::Spent => self.failure(TryReason::Spent, index, None, way.start_ns),
         })
     }
 
     /// Whether a path ends too near the last place of another robot that was planned before.
-    fn end_together(&self, own: &str, way: &TimedWay, with: &str) -> bool {
+    fn end_together(&self, own: &str, way: &TimedPath, with: &str) -> bool {
         let last = |stretches: &[TipStay]| stretches.last().map(|stretch| stretch.area);
         let (end, beside) = (last(&way.stretches(&[]).0), last(self.other(own, with).stretches));
         let is_planned = self.traces[with].job.is_some();
@@ -331,15 +333,15 @@ impl<'a> Try<'a, '_> {
     }
 
     /// Another robot as an obstacle: without its last place if it is expected to make way.
-    fn other(&self, own: &str, name: &str) -> Other<'_> {
+    fn other(&self, own: &str, name: &str) -> OtherRobot<'_> {
         let stretches = self.traces[name].stretches.as_slice();
         let makes_way =
-            self.policy.manners == BystanderManners::MakeWay && self.later.iter().any(|later| later.contains(name));
+            self.policy.unplanned == UnplannedRobots::WillLeave && self.later.iter().any(|later| later.contains(name));
         let stretches = match makes_way {
             true => &stretches[..stretches.len().saturating_sub(1)],
             false => stretches,
         };
-        Other { stretches, gap_um: self.gap_um(own, name) }
+        OtherRobot { stretches, gap_um: self.gap_um(own, name) }
     }
 
     fn gap_um(&self, own: &str, name: &str) -> f64 {
@@ -348,13 +350,13 @@ impl<'a> Try<'a, '_> {
     }
 
     /// A plan that avoids places of the others; `None` if there is none, or nothing to avoid.
-    fn round(
+    fn detour(
         &self,
         index: usize,
         robot: &PlacedRobot,
         order: &DimibotOrder,
         alone: &Plan<DimibotMotion>,
-        round: Round,
+        avoided: Avoided,
         start_ns: u64,
     ) -> Option<Plan<DimibotMotion>> {
         let job = &self.claims.jobs[index];
@@ -364,7 +366,7 @@ impl<'a> Try<'a, '_> {
             let (other, beside) = (self.robots.get(name)?, self.other(&job.device, name));
             let from = beside.stretches.partition_point(|stretch| stretch.end_ns < start_ns);
             for stretch in &beside.stretches[from..] {
-                if round == Round::WhereTheyStay && stretch.end_ns != u64::MAX {
+                if avoided == Avoided::FinalPositions && stretch.end_ns != u64::MAX {
                     continue;
                 }
                 let around_um = beside.gap_um - robot.facts.growth_um();
@@ -396,14 +398,14 @@ impl<'a> Try<'a, '_> {
 
 /// Places that a plan avoids, besides the obstacles of the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Round {
+enum Avoided {
     Nothing,
-    WhereTheyStay,
-    WhereTheyCome,
+    FinalPositions,
+    AllPositions,
 }
 
-impl Round {
-    const ALL: [Round; 3] = [Round::Nothing, Round::WhereTheyStay, Round::WhereTheyCome];
+impl Avoided {
+    const ALL: [Avoided; 3] = [Avoided::Nothing, Avoided::FinalPositions, Avoided::AllPositions];
 }
 
 impl PlannedTrace {

@@ -3,7 +3,7 @@
 use super::super::rule::{Findings, Rule, ms};
 use super::clearance::{self, TipHit};
 use super::hand::JudgedHand;
-use super::pace::Fast;
+use super::speed::SpeedExcess;
 use crate::device::fingers::Plane;
 use crate::quantity::digits;
 use crate::schedule::State;
@@ -17,13 +17,13 @@ impl JudgedHand<'_, '_> {
         format!("fingers on the contacts ({}) in {}", contacts.join(", "), self.grip.plane.name())
     }
 
-    pub(super) fn pierce(&self, finger: usize, hit: &TipHit) -> String {
+    pub(super) fn near_part_message(&self, finger: usize, hit: &TipHit) -> String {
         let (distance, due) = (digits(hit.distance_um), digits(hit.due_um));
         let (finger, when) = (finger + 1, ms(hit.time_ns));
         format!("the tip of finger {finger} is {distance} um from the part at {when}; at least {due} um is needed")
     }
 
-    pub(super) fn apart(&self, pair: [usize; 2], apart_um: f64, time_ns: u64) -> String {
+    pub(super) fn near_tips_message(&self, pair: [usize; 2], apart_um: f64, time_ns: u64) -> String {
         let due = digits(clearance::apart_um(&self.order.facts));
         let [one, other] = pair.map(|finger| finger + 1);
         let (apart, when) = (digits(apart_um), ms(time_ns));
@@ -31,19 +31,25 @@ impl JudgedHand<'_, '_> {
     }
 
     /// Ends the flights of all free tips.
-    pub(super) fn settle_paces(&mut self, nth: usize, findings: &mut Findings) {
-        for finger in 0..self.paces.len() {
-            let kept = self.paces[finger].settle(&self.order.facts);
-            self.tell_pace(nth, finger, kept, findings);
+    pub(super) fn settle_tip_paths(&mut self, nth: usize, findings: &mut Findings) {
+        for finger in 0..self.tip_paths.len() {
+            let kept = self.tip_paths[finger].settle(&self.order.facts);
+            self.report_speed(nth, finger, kept, findings);
         }
     }
 
     /// Reports the first tip of a step that is too fast.
-    pub(super) fn tell_pace(&mut self, nth: usize, finger: usize, kept: Result<(), Fast>, findings: &mut Findings) {
-        findings.asked(Rule::Speed, 1);
+    pub(super) fn report_speed(
+        &mut self,
+        nth: usize,
+        finger: usize,
+        kept: Result<(), SpeedExcess>,
+        findings: &mut Findings,
+    ) {
+        findings.count_checks(Rule::Speed, 1);
         let Err(fast) = kept else { return };
-        if self.hurried != Some(nth) {
-            self.hurried = Some(nth);
+        if self.last_speed_violation != Some(nth) {
+            self.last_speed_violation = Some(nth);
             let [found, due] = [fast.um_per_s, fast.due_um_per_s].map(digits);
             let (finger, doing, when) = (finger + 1, fast.doing, ms(fast.time_ns));
             let title =
