@@ -13,7 +13,7 @@ use super::value::{ModuleWord, Value, whole};
 use super::{CheckedFacts, Checker, KindChecks, KindFacts, errors, shapes};
 use crate::claims::dimibot::{
     Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
-    DimibotPlanner, DimibotStep, DimibotStop, StandingTip,
+    DimibotPlanner, DimibotStep, DimibotStop, InitialCell,
 };
 use crate::claims::{Job, Order};
 use crate::device::dimibot::{self, DimibotFacts, DimibotVerb, LatticeCell, Side, Simultaneous};
@@ -59,11 +59,11 @@ impl KindChecks for DimibotChecks {
         facts(device, sink).map(|facts| KindFacts::Dimibot(Rc::new(facts)))
     }
 
-    fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
-        starts_agree(jobs, sink);
+    fn check_continuity(&self, jobs: &mut [Job], sink: &mut Sink) {
+        check_starts(jobs, sink);
     }
 
-    fn beside(&self, checker: &mut Checker, placed: &PlacedDevices, jobs: &mut [Job]) {
+    fn add_idle_obstacles(&self, checker: &mut Checker, placed: &PlacedDevices, jobs: &mut [Job]) {
         checker.put_idle_robots(placed, jobs);
     }
 }
@@ -433,7 +433,7 @@ enum KnownStand {
 
 /// Checks that each `start at` is where the device's last task left it, as far as known before planning, and that a
 /// task without one does not begin on an obstacle.
-fn starts_agree(jobs: &[Job], sink: &mut Sink) {
+fn check_starts(jobs: &[Job], sink: &mut Sink) {
     let mut stands: BTreeMap<&str, KnownStand> = BTreeMap::new();
     for job in jobs {
         let Some(order) = DimibotOrder::of(&job.order) else { continue };
@@ -450,8 +450,9 @@ fn starts_agree(jobs: &[Job], sink: &mut Sink) {
             let covers = |index: &usize| cover::covers(&body(*index), cell, &order.facts);
             let covering: Vec<usize> = (0..order.obstacles.len()).filter(covers).collect();
             if !covering.is_empty() {
-                let stands = if before.is_some() { StandingTip::LeftThere(cell) } else { StandingTip::AtHome(cell) };
-                sink.push(order.start_covered(stands, &covering, job));
+                let initial =
+                    if before.is_some() { InitialCell::AfterLastTask(cell) } else { InitialCell::AtHome(cell) };
+                sink.push(order.start_covered(initial, &covering, job));
             }
         }
         let ends = end_of(order).unwrap_or(begins);
