@@ -2,7 +2,7 @@
 
 use super::errors;
 use super::goals::{BoardStepJudge, is_assay, phrases};
-use super::places::BoardBefore;
+use super::positions::BoardBefore;
 use crate::check::lets::Argument;
 use crate::check::tasks::{VocabularyAction, VocabularyStep};
 use crate::check::value::{ObjectName, Value};

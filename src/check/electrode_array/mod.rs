@@ -13,7 +13,7 @@ mod magnets;
 mod map;
 mod motion;
 mod physics;
-mod places;
+mod positions;
 mod reservoirs;
 mod scene;
 mod stays;
@@ -106,9 +106,9 @@ impl KindChecks for ElectrodeArrayChecks {
 
     fn check_continuity(&self, jobs: &mut [Job], sink: &mut Sink) {
         let errors = sink.errors();
-        let mut before = places::check_positions(jobs, sink);
+        let mut before = positions::check_positions(jobs, sink);
         if sink.errors() == errors && washes::insert_washes(jobs, &before, sink) {
-            before = places::check_positions(jobs, sink);
+            before = positions::check_positions(jobs, sink);
         }
         contamination::check_contamination(jobs, before, sink);
         zones::check_temperatures(jobs, sink);

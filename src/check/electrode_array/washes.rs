@@ -6,7 +6,7 @@
 //! operation there waits for it. Washes then are operations like any others.
 
 use super::errors;
-use super::places::BoardBefore;
+use super::positions::BoardBefore;
 use crate::claims::electrode_array::{
     AssayOperation, BoardPart, Contamination, ElectrodeArrayAction, ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
     WashCourse,

@@ -326,12 +326,12 @@ impl BoardWalk {
         // Nothing can be judged about a part that stays on an unknown cell.
         moves.retain(|one| !one.stops.is_empty());
         found.extend(self.loops(operations, order, walk));
-        self.lead(led.into_iter().map(|part| (part, chosen[&part])));
+        self.mark_unknown(led.into_iter().map(|part| (part, chosen[&part])));
         let open = AssayOperation::left_open(operations);
         let gone = operations.iter().filter_map(AssayOperation::gone);
         let on = open.keys().copied().chain(gone).collect();
         found.extend(self.advance(&moves, Some(&on), order, walk));
-        self.lead(open.into_iter().map(|(part, operation)| (part, operation.span)));
+        self.mark_unknown(open.into_iter().map(|(part, operation)| (part, operation.span)));
         for operation in operations {
             if let Some((part, departure)) = Departure::of(operation) {
                 self.leave(part);
@@ -345,7 +345,7 @@ impl BoardWalk {
     }
 
     /// Marks parts as standing where the plan chooses, each since an operation.
-    fn lead(&mut self, parts: impl IntoIterator<Item = (usize, Span)>) {
+    fn mark_unknown(&mut self, parts: impl IntoIterator<Item = (usize, Span)>) {
         for (part, since) in parts {
             self.leave(part);
             self.positions[part] = PartPosition::Somewhere(since);
