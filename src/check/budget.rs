@@ -54,7 +54,7 @@ impl Checker<'_> {
 
     /// A copy of a value: strings are copied and charged, everything else that can be large is shared. Unknown once the
     /// limit of text is passed.
-    pub fn handed_on(&mut self, value: &Value, span: Span) -> Value {
+    pub fn charged_copy(&mut self, value: &Value, span: Span) -> Value {
         match value {
             Value::Text(text) if !self.spend_text(text.len(), span) => Value::Unknown,
             other => other.clone(),

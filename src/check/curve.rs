@@ -25,7 +25,7 @@ impl Checker<'_> {
             self.sink.push(errors::angle_name_taken(expr.span, earlier));
             return None;
         }
-        if !self.counts_as_outline(SAMPLES, expr.span) {
+        if !self.charge_iterations(SAMPLES, expr.span) {
             return None;
         }
         let name = Ident { text: ANGLE_NAME.to_owned(), span: expr.span };

@@ -127,7 +127,7 @@ impl Checker<'_> {
     fn path(&mut self, path: &Path, scope: &Scope) -> Value {
         let first = &path.segments[0];
         if let Some(local) = scope.local(&first.name.text) {
-            let value = self.handed_on(&local.value, path.span);
+            let value = self.charged_copy(&local.value, path.span);
             self.note_use(first.name.span, local.span);
             return self.element_of(value, path, 0, scope);
         }
@@ -167,7 +167,7 @@ impl Checker<'_> {
             value = match &value {
                 Value::Unknown => return Value::Unknown,
                 Value::List(list) => match list.get(number) {
-                    Some(element) => self.handed_on(&element.value, index.span),
+                    Some(element) => self.charged_copy(&element.value, index.span),
                     None => return self.unknown(errors::index_beyond(index.span, number, list.len())),
                 },
                 other => return self.unknown(errors::not_a_list(path.segments[segment].name.span, other)),

@@ -190,8 +190,8 @@ impl Loader<'_> {
 
     fn file_name(&mut self, name: &str, span: Span) -> String {
         let is_kind = crate::device::Kind::find(name).is_some();
-        if let Some(keeper) = super::scope::keeper(name).filter(|_| !is_kind) {
-            self.sink.push(errors::kept_file_name(span, name, keeper));
+        if let Some(reserved_as) = super::scope::reserved_as(name).filter(|_| !is_kind) {
+            self.sink.push(errors::reserved_file_name(span, name, reserved_as));
         }
         name.to_owned()
     }

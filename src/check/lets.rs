@@ -62,7 +62,7 @@ impl Checker<'_> {
             let (name, declared) = self.named(place);
             return self.unknown(errors::defined_by_itself(name, declared, asked));
         }
-        self.make_out(place);
+        self.evaluate_let(place);
         let text_bytes = match self.lets.get(&place).and_then(LetState::value) {
             Some(Value::Text(text)) => text.len(),
             Some(_) | None => 0,
@@ -73,7 +73,7 @@ impl Checker<'_> {
     }
 
     /// Evaluates a `let` and its dependencies with an explicit stack, since a chain of them may be as long as the file.
-    fn make_out(&mut self, place: DeclarationPlace) {
+    fn evaluate_let(&mut self, place: DeclarationPlace) {
         let mut tasks = vec![LetTask::Begin(place)];
         while let Some(task) = tasks.pop() {
             match task {

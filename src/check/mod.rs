@@ -195,13 +195,13 @@ trait CheckedFacts {
 
 impl KindFacts {
     /// The facts as the trait that all kinds implement.
-    fn asked(&self) -> &dyn CheckedFacts {
+    fn as_checked_facts(&self) -> &dyn CheckedFacts {
         each_kind!(KindFacts, self, facts => facts)
     }
 
     /// Grid pitch for a message, as `cells of 80 um`; `None` where positions are continuous.
     pub fn pitch(&self) -> Option<String> {
-        self.asked().pitch()
+        self.as_checked_facts().pitch()
     }
 }
 
@@ -212,14 +212,14 @@ trait KindChecks {
 
     /// Checks that the jobs of a program, in their order, agree on where the kind's devices and their parts are. A kind
     /// may enter what earlier jobs leave behind into later ones.
-    fn agree(&self, jobs: &mut [Job], sink: &mut Sink);
+    fn check_continuity(&self, jobs: &mut [Job], sink: &mut Sink);
 
     /// Warns of steps that do not suit the settings of the bench's instruments or what comes before them. `idle` are
     /// the outputs that are wired to these instruments and that no step switches, each with its drive.
-    fn suit(&self, _claims: &Claims, _idle: &[(String, Drive)], _sink: &mut Sink) {}
+    fn warn_of_mismatches(&self, _claims: &Claims, _idle: &[(String, Drive)], _sink: &mut Sink) {}
 
     /// Adds the program's placed devices that never run as obstacles of the others; for kinds that have frames.
-    fn beside(&self, _checker: &mut Checker, _placed: &neighbours::PlacedDevices, _jobs: &mut [Job]) {}
+    fn add_idle_obstacles(&self, _checker: &mut Checker, _placed: &neighbours::PlacedDevices, _jobs: &mut [Job]) {}
 }
 
 /// The checks of a kind.
@@ -481,8 +481,8 @@ impl<'a> Checker<'a> {
                 self.sink.push(errors::declared_twice(&name.text, name.span, earlier));
                 return;
             }
-            if let Some(keeper) = scope::keeper(&name.text) {
-                self.sink.push(errors::kept_name(name, keeper));
+            if let Some(reserved_as) = scope::reserved_as(&name.text) {
+                self.sink.push(errors::reserved_name(name, reserved_as));
                 return;
             }
         }
@@ -517,7 +517,7 @@ impl<'a> Checker<'a> {
 
     /// Charges the cost of a curve or a solid as `turns` loop iterations of equal cost; `false` once the limit is
     /// passed, which is reported at `span`.
-    fn counts_as_outline(&mut self, turns: usize, span: Span) -> bool {
+    fn charge_iterations(&mut self, turns: usize, span: Span) -> bool {
         let before = self.repetitions;
         self.repetitions = before.saturating_add(turns);
         if before <= MAX_REPETITIONS && self.repetitions > MAX_REPETITIONS {
@@ -534,7 +534,7 @@ impl<'a> Checker<'a> {
             }
             Value::List(list) => {
                 let element =
-                    |element: &Spanned<Value>| Spanned::new(self.handed_on(&element.value, over.span), element.span);
+                    |element: &Spanned<Value>| Spanned::new(self.charged_copy(&element.value, over.span), element.span);
                 list.iter().map(element).collect()
             }
             Value::Unknown => vec![Spanned::new(Value::Unknown, over.span)],

@@ -48,7 +48,7 @@ impl Checker<'_> {
         self.one_place_each(&scenes, &running);
         let shared = self.shared(&scenes, &running);
         let placed = PlacedDevices { scenes: &scenes, running: &running, sites };
-        Kind::ALL.iter().for_each(|kind| checks(*kind).beside(self, &placed, jobs));
+        Kind::ALL.iter().for_each(|kind| checks(*kind).add_idle_obstacles(self, &placed, jobs));
         let not_held = self.not_held(timeline, sites, &shared);
         Neighbours { shared, not_held }
     }

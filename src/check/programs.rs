@@ -64,7 +64,7 @@ impl Draft {
 
     /// Where two runs of tasks are written; if both are one line of a program that is run twice, the `run`s that lead
     /// to each.
-    fn told_apart(&self, first: usize, second: usize) -> [Span; 2] {
+    fn distinguishing_spans(&self, first: usize, second: usize) -> [Span; 2] {
         let spans = [first, second].map(|run| self.runs[run].span);
         let [one, other] = [first, second].map(|run| self.trails.get(run).into_iter().flatten().copied());
         match one.zip(other).find(|(one, other)| one != other) {
@@ -171,7 +171,7 @@ impl<'a> Checker<'a> {
         let (name, _) = self.named(root);
         let mut draft = Draft::default();
         let timeline = self.run(root, Vec::new(), declaration.span, &mut draft);
-        self.one_thing_at_a_time(&timeline, &draft);
+        self.check_device_conflicts(&timeline, &draft);
         let timeline = timeline.flat();
         if timeline.depth() > MAX_TIMELINE_DEPTH {
             self.sink.push(errors::too_deep(declaration.span, "groups of runs", MAX_TIMELINE_DEPTH));
@@ -182,7 +182,7 @@ impl<'a> Checker<'a> {
             return None;
         }
         let errors = self.sink.errors();
-        Kind::ALL.iter().for_each(|kind| checks(*kind).agree(&mut draft.jobs, self.sink));
+        Kind::ALL.iter().for_each(|kind| checks(*kind).check_continuity(&mut draft.jobs, self.sink));
         if self.sink.errors() > errors {
             return None;
         }
@@ -212,7 +212,7 @@ impl<'a> Checker<'a> {
         let outputs = outputs.into_iter().map(|(name, (facts, _))| (name, facts)).collect();
         let claims = Claims { name, timeline, jobs, wires, bench, outputs, shared, not_held, span: declaration.span };
         let idle = self.idle_outputs(wiring, &claims);
-        Kind::ALL.iter().for_each(|kind| checks(*kind).suit(&claims, &idle, self.sink));
+        Kind::ALL.iter().for_each(|kind| checks(*kind).warn_of_mismatches(&claims, &idle, self.sink));
         Some(claims)
     }
 
@@ -454,8 +454,8 @@ impl<'a> Checker<'a> {
                 self.sink.push(errors::declared_twice(&parameter.name.text, parameter.name.span, earlier));
                 continue;
             }
-            if let Some(keeper) = super::scope::keeper(&parameter.name.text) {
-                self.sink.push(errors::kept_name(&parameter.name, keeper));
+            if let Some(reserved_as) = super::scope::reserved_as(&parameter.name.text) {
+                self.sink.push(errors::reserved_name(&parameter.name, reserved_as));
                 continue;
             }
             if ParameterSort::find(&parameter.sort.text).is_none() {
@@ -470,18 +470,20 @@ impl<'a> Checker<'a> {
 
     /// Reports devices in two runs at a time, at both places. Returns each device of the part with the index of one of
     /// its runs.
-    fn one_thing_at_a_time(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<DeclarationPlace, usize> {
+    fn check_device_conflicts(&mut self, timeline: &Timeline, draft: &Draft) -> BTreeMap<DeclarationPlace, usize> {
         match timeline {
             Timeline::Run(run) => BTreeMap::from([(draft.runs[*run].device, *run)]),
             Timeline::Wait(_) => BTreeMap::new(),
-            Timeline::Sequence(parts) => parts.iter().flat_map(|part| self.one_thing_at_a_time(part, draft)).collect(),
+            Timeline::Sequence(parts) => {
+                parts.iter().flat_map(|part| self.check_device_conflicts(part, draft)).collect()
+            }
             Timeline::Together(parts) => {
                 let mut busy: BTreeMap<DeclarationPlace, usize> = BTreeMap::new();
                 for part in parts {
-                    for (device, run) in self.one_thing_at_a_time(part, draft) {
+                    for (device, run) in self.check_device_conflicts(part, draft) {
                         if let Some(earlier) = busy.insert(device, run) {
                             let (name, _) = self.named(device);
-                            let [first, second] = draft.told_apart(earlier, run);
+                            let [first, second] = draft.distinguishing_spans(earlier, run);
                             self.sink.push(errors::two_things_at_once(name, first, second));
                         }
                     }

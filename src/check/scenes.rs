@@ -3,7 +3,7 @@
 use super::camera::{Camera, View};
 use super::frames::{self, DeviceFrame};
 use super::lineage::Base;
-use super::scope::{DeclarationPlace, DeclarationSort, Scope, keeper, nearest};
+use super::scope::{DeclarationPlace, DeclarationSort, Scope, nearest, reserved_as};
 use super::value::{ShapeValue, Value};
 use super::{Checker, errors};
 use crate::claims::ValueOrigin;
@@ -92,7 +92,7 @@ impl Checker<'_> {
                 Base::Of(base) => self.scenes.get(&base).cloned().flatten(),
                 Base::Broken => None,
             };
-            let scene = self.furnish(at, base).map(Rc::new);
+            let scene = self.add_own_objects(at, base).map(Rc::new);
             self.scenes.insert(at, scene);
         }
         self.scenes.get(&place).cloned().flatten()
@@ -117,7 +117,7 @@ impl Checker<'_> {
     }
 
     /// Adds a scene's own objects to those of its base; `None` after an error.
-    fn furnish(&mut self, place: DeclarationPlace, base: Option<Rc<CheckedScene>>) -> Option<CheckedScene> {
+    fn add_own_objects(&mut self, place: DeclarationPlace, base: Option<Rc<CheckedScene>>) -> Option<CheckedScene> {
         let Item::Scene(item) = self.item(place) else { return None };
         let depth = item.base.as_ref().and(base.as_ref()).map_or(0, |base| base.depth + 1);
         let is_too_deep = depth > MAX_BASES;
@@ -273,8 +273,8 @@ impl Checker<'_> {
             self.sink.push(errors::declared_twice(&joined, name.span, earlier));
             return None;
         }
-        if let Some(keeper) = keeper(&joined) {
-            self.sink.push(errors::kept_name(&tree::Ident { text: joined, span: name.span }, keeper));
+        if let Some(reserved_as) = reserved_as(&joined) {
+            self.sink.push(errors::reserved_name(&tree::Ident { text: joined, span: name.span }, reserved_as));
             return None;
         }
         Some(joined)

@@ -101,8 +101,8 @@ impl Module {
         let mut names: BTreeMap<String, Declaration> = BTreeMap::new();
         let declared = tree.items.iter().enumerate().filter_map(|(index, item)| Some((index, declared(item)?)));
         for (item, (name, sort)) in declared {
-            if let Some(keeper) = keeper(&name.text) {
-                sink.push(errors::kept_name(name, keeper));
+            if let Some(reserved_as) = reserved_as(&name.text) {
+                sink.push(errors::reserved_name(name, reserved_as));
             }
             let earlier = names.get(&name.text).map(|d| d.span).or(imports.get(&name.text).map(|i| i.span));
             match earlier {
@@ -181,7 +181,7 @@ pub fn declared(item: &Item) -> Option<(&Ident, DeclarationSort)> {
 }
 
 /// What the language reserves a name for, if it does.
-pub fn keeper(name: &str) -> Option<&'static str> {
+pub fn reserved_as(name: &str) -> Option<&'static str> {
     if Kind::find(name).is_some() {
         return Some("a device kind");
     }

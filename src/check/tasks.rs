@@ -173,7 +173,7 @@ impl<'a> Checker<'a> {
         self.link_objects(&parts.steps, named);
         self.link_conditions(&item.entries, device.root.vocabulary(), named);
         let site = TaskSite { place, device: Rc::clone(&device), scene };
-        let order = self.facts::<Kind>(place)?.asked().order(self, &site, parts);
+        let order = self.facts::<Kind>(place)?.as_checked_facts().order(self, &site, parts);
         Some(Job {
             task: item.name.text.clone(),
             device: device.name.clone(),

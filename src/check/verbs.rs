@@ -210,7 +210,8 @@ impl Checker<'_> {
     ) -> Option<(&'static str, Span)> {
         let ExprKind::Call { function, .. } = &expr.kind else { return None };
         let names_object = matches!(verb.object, Some(device::Sort::Object(_)));
-        let is_function = super::scope::keeper(&path_text(function)).is_some() || self.names_value(function, scope);
+        let is_function =
+            super::scope::reserved_as(&path_text(function)).is_some() || self.names_value(function, scope);
         let place = Span { start: function.span.end, ..expr.span };
         let lacking = preposition_before(false, verb).filter(|_| names_object && !is_function);
         lacking.map(|preposition| (preposition, place))

@@ -52,10 +52,10 @@ impl KindOrder for DimibotOrder {
 
 /// Cell of the robot at the beginning of a task without `start at`, and why it is there.
 #[derive(Debug, Clone, Copy)]
-pub enum StandingTip {
+pub enum InitialCell {
     AtHome(dimibot::LatticeCell),
     /// Where its last task ended.
-    LeftThere(dimibot::LatticeCell),
+    AfterLastTask(dimibot::LatticeCell),
 }
 
 impl DimibotOrder {
@@ -82,15 +82,15 @@ impl DimibotOrder {
 
     /// E0505: the robot is on obstacles, given by their indices, when the task begins. Reported by the stage that
     /// knows the cell, as with [`Self::start_disagrees`].
-    pub fn start_covered(&self, stands: StandingTip, obstacles: &[usize], job: &Job) -> Diagnostic {
-        let (stands, help) = match stands {
-            StandingTip::AtHome(cell) => (cell, "write `start at` with a free cell, or give the device another `home`"),
-            StandingTip::LeftThere(cell) => (cell, "end the task before at a cell that is free in this scene"),
+    pub fn start_covered(&self, initial: InitialCell, obstacles: &[usize], job: &Job) -> Diagnostic {
+        let (cell, help) = match initial {
+            InitialCell::AtHome(cell) => (cell, "write `start at` with a free cell, or give the device another `home`"),
+            InitialCell::AfterLastTask(cell) => (cell, "end the task before at a cell that is free in this scene"),
         };
         let shown = || obstacles.iter().take(SHOWN_OBSTACLES).map(|index| &self.obstacles[*index]);
         let names: Vec<String> = shown().map(|obstacle| format!("`{}`", obstacle.name)).collect();
-        let title = format!("task `{}` begins at {stands}, on obstacle {}", job.task, names.join(", "));
-        let diagnostic = Diagnostic::new(Code::E0505, title).label(job.run_span, format!("begins at {stands}"));
+        let title = format!("task `{}` begins at {cell}, on obstacle {}", job.task, names.join(", "));
+        let diagnostic = Diagnostic::new(Code::E0505, title).label(job.run_span, format!("begins at {cell}"));
         shown()
             .fold(diagnostic, |diagnostic, obstacle| {
                 diagnostic.label_elsewhere(obstacle.span, job.run_span, "the obstacle")

@@ -128,7 +128,7 @@ pub type Fluids = BTreeSet<String>;
 
 impl Contamination {
     /// Whether a droplet of the fluids `comes` must not enter an electrode with traces of the fluids `left`.
-    pub fn does_harm(&self, left: &Fluids, comes: &Fluids) -> bool {
+    pub fn contaminates(&self, left: &Fluids, comes: &Fluids) -> bool {
         let (is_left, is_own) = (|fluid: &String| left.contains(fluid), |fluid: &String| comes.contains(fluid));
         self.avoided.iter().any(|trace| is_left(&trace.of) && is_own(&trace.within) && !is_own(&trace.of))
     }

@@ -82,7 +82,7 @@ impl Claims {
 
     fn least_of(&self, device: &str, figure: impl Fn(&dyn KindOrder) -> Option<f64>) -> Option<f64> {
         let own = self.jobs.iter().filter(|job| job.device == device);
-        own.filter_map(|job| figure(job.order.asked())).reduce(f64::min)
+        own.filter_map(|job| figure(job.order.as_kind())).reduce(f64::min)
     }
 
     /// The frame of a device in pictures and beside others; it is the same in every scene of a program that places
@@ -91,7 +91,7 @@ impl Claims {
         let shared = self.shared.iter().find_map(|scene| scene.frames.get(device));
         let own = || {
             let jobs = self.jobs.iter().filter(|job| job.device == device);
-            jobs.filter_map(|job| job.order.asked().frame()).next()
+            jobs.filter_map(|job| job.order.as_kind().frame()).next()
         };
         shared.copied().or_else(own)
     }
@@ -201,12 +201,12 @@ impl Job {
 
     /// Places in the source of the operations of a step in which several take place at the same time.
     pub fn operation_spans(&self, nth: usize) -> Vec<Span> {
-        self.order.asked().operation_spans(nth)
+        self.order.as_kind().operation_spans(nth)
     }
 
     /// The kind of the job's device.
     pub fn kind(&self) -> Kind {
-        self.order.asked().kind()
+        self.order.as_kind().kind()
     }
 }
 
@@ -261,7 +261,7 @@ pub trait KindOrder {
 
 impl Order {
     /// The order through the interface that all kinds share.
-    pub fn asked(&self) -> &dyn KindOrder {
+    pub fn as_kind(&self) -> &dyn KindOrder {
         each_kind!(Order, self, order => order)
     }
 }

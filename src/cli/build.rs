@@ -154,7 +154,7 @@ fn write(
             };
             match set {
                 Ok(set) => own.extend(set),
-                Err(error) if !chosen.is_named(*format) && error.is_of_the_format() => {
+                Err(error) if !chosen.is_named(*format) && error.is_unsupported_by_format() => {
                     left_out.push((*format, error.diagnostic().title));
                 }
                 Err(error) => {

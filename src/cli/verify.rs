@@ -160,13 +160,13 @@ fn judge_log(path: &Path, bytes: &[u8], log: Result<Log, LogError>) -> Result<Ju
     if log.schedule.source != SourceRef::of(&own.sources) {
         return Err(of_its_version(Refusal::one(errors::parts_disagree(path, "the fingerprint"), Exit::Refused)));
     }
-    let Log { schedule, claims, files, settings, voltages, version: _ } = log;
+    let Log { schedule, claims, files, settings, series, version: _ } = log;
     drop(claims);
     let verified = replay(schedule, own)?;
-    if let Some(fault) = log::voltage_fault(verified.schedule(), &voltages) {
+    if let Some(fault) = log::series_fault(verified.schedule(), &series) {
         return Err(of_its_version(Refusal::one(fault.diagnostic(), Exit::Refused)));
     }
-    drop(voltages);
+    drop(series);
     let provenance = Provenance { files, settings, is_recorded: true };
     match mcap::difference(bytes, &verified, &provenance) {
         Some(difference) => Err(of_its_version(Refusal::one(mcap::difference_diagnostic(&difference), Exit::Refused))),

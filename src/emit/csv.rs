@@ -30,11 +30,11 @@ const POSITION_BYTES: u64 = 20;
 /// The bytes of the file.
 ///
 /// # Errors
-/// [`EmitError::Ramp`] for a voltage that is not constant, [`EmitError::Leap`] for a position that jumps,
+/// [`EmitError::Ramp`] for a voltage that is not constant, [`EmitError::Jump`] for a position that jumps,
 /// [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(signals: &Signals) -> Result<Vec<u8>, EmitError> {
     EmitError::refuse_ramps(Format::Csv, signals)?;
-    EmitError::refuse_leaps(Format::Csv, signals)?;
+    EmitError::refuse_jumps(Format::Csv, signals)?;
     let schedule = signals.schedule;
     let channels = schedule.channels.len();
     let bytes_of_values: u64 = (0..channels).map(|channel| value_bytes(signals, channel)).sum();

@@ -45,13 +45,13 @@ pub enum EmitError {
     /// has no channel.
     NotWired { format: Format, name: String, family: Option<Family> },
     /// A position jumps, and the format has only straight lines between positions.
-    Leap { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
+    Jump { format: Format, channel: String, t_ns: u64, from: f64, to: f64 },
     /// The format represents stage positions only; `channel` is the first other channel, or `None` if there is no
     /// channel.
     NotPositions { format: Format, channel: Option<String> },
     /// The format cannot express something in the schedule: `what` completes the sentence of the message, `help` names
     /// a format that can.
-    Unsayable { format: Format, what: String, help: String },
+    Unsupported { format: Format, what: String, help: String },
     /// No device of the schedule has anything to load.
     NothingToLoad { name: String },
     /// The requested instant is after the end of the schedule.
@@ -70,11 +70,11 @@ impl EmitError {
     }
 
     /// An error if a position jumps.
-    pub(super) fn refuse_leaps(format: Format, signals: &Signals) -> Result<(), EmitError> {
-        let Some((index, t_ns)) = signals.first_leap() else { return Ok(()) };
+    pub(super) fn refuse_jumps(format: Format, signals: &Signals) -> Result<(), EmitError> {
+        let Some((index, t_ns)) = signals.first_jump() else { return Ok(()) };
         let channel = signals.schedule.channels[index].name.clone();
         let (from, to) = (signals.value_before(index, t_ns), signals.value(index, t_ns));
-        Err(EmitError::Leap { format, channel, t_ns, from, to })
+        Err(EmitError::Jump { format, channel, t_ns, from, to })
     }
 
     /// An error if `bytes` is more than `limit`.
@@ -83,7 +83,7 @@ impl EmitError {
     }
 
     /// Whether the format cannot represent the schedule, although other formats may.
-    pub fn is_of_the_format(&self) -> bool {
+    pub fn is_unsupported_by_format(&self) -> bool {
         match self {
             EmitError::Ramp { .. }
             | EmitError::TooLarge { .. }
@@ -95,9 +95,9 @@ impl EmitError {
             | EmitError::CoarseStages { .. }
             | EmitError::NoSampleClock { .. }
             | EmitError::NotWired { .. }
-            | EmitError::Leap { .. }
+            | EmitError::Jump { .. }
             | EmitError::NotPositions { .. }
-            | EmitError::Unsayable { .. }
+            | EmitError::Unsupported { .. }
             | EmitError::NothingToLoad { .. } => true,
             EmitError::NotFinite | EmitError::OutsideSchedule { .. } | EmitError::Failed { .. } => false,
         }
@@ -140,13 +140,13 @@ impl EmitError {
                     .help("wire to lines of a clocked port; if these lines are clocked, set the `digital_rate` of the instrument")
             }
             EmitError::NotWired { format, name, family } => not_wired(*format, name, *family),
-            EmitError::Leap { format, channel, t_ns, from, to } => Diagnostic::new(
+            EmitError::Jump { format, channel, t_ns, from, to } => Diagnostic::new(
                 Code::E0826,
                 format!("`{channel}` jumps from {from} um to {to} um at {t_ns} ns, but `{}` supports only straight lines", format.name()),
             )
             .help("write `--emit mcap`, `json` or `pwl`, which store it exactly"),
             EmitError::NotPositions { format, channel } => not_positions(*format, channel.as_deref()),
-            EmitError::Unsayable { format, what, help } => {
+            EmitError::Unsupported { format, what, help } => {
                 Diagnostic::new(Code::E0831, format!("`{}` cannot express {what}", format.name())).help(help.clone())
             }
             EmitError::NothingToLoad { name } => {

@@ -53,8 +53,8 @@ const PIN: &str = "motion.digital-in-";
 /// The files, each with the part of its name between the schedule's name and `.ngc`.
 ///
 /// # Errors
-/// [`EmitError::NotPositions`] if a channel is not a stage's, or there is none; [`EmitError::Leap`] for a position that
-/// jumps; [`EmitError::Unsayable`] for a wait that the controller cannot express, and for a controller together with
+/// [`EmitError::NotPositions`] if a channel is not a stage's, or there is none; [`EmitError::Jump`] for a position that
+/// jumps; [`EmitError::Unsupported`] for a wait that the controller cannot express, and for a controller together with
 /// other instruments; [`EmitError::TooLarge`] past [`MAX_TEXT_BYTES`].
 pub(super) fn write(signals: &Signals, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut instruments = signals.schedule.bench.instruments.values();
@@ -72,7 +72,7 @@ fn by_wires(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>
         refuse_company(&wired)?;
         let signals = Signals::new(&wired.schedule);
         let waits = &waits(signals.schedule)?;
-        EmitError::refuse_leaps(Format::Gcode, &signals)?;
+        EmitError::refuse_jumps(Format::Gcode, &signals)?;
         let letter = |output: &str| AXIS_LETTERS.iter().position(|letter| letter.to_string() == output);
         let axes = wired.drives.iter().enumerate().filter_map(|(channel, drive)| {
             Some(MovedAxis { letter: letter(&drive.output)?, channel, link: Some(drive.link) })
@@ -92,7 +92,7 @@ fn refuse_company(wired: &WiredInstrument) -> Result<(), EmitError> {
     if wired.is_alone {
         return Ok(());
     }
-    Err(EmitError::Unsayable {
+    Err(EmitError::Unsupported {
         format: Format::Gcode,
         what: format!("`{}` with other instruments: its program starts when the operator resumes it", wired.name),
         help: "wire all channels of the program to it, or its stages to controllers with a trigger".to_owned(),
@@ -103,7 +103,7 @@ fn refuse_company(wired: &WiredInstrument) -> Result<(), EmitError> {
 fn by_fingers(signals: &Signals, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     refuse_what_is_no_stage(signals)?;
     let waits = &waits(signals.schedule)?;
-    EmitError::refuse_leaps(Format::Gcode, signals)?;
+    EmitError::refuse_jumps(Format::Gcode, signals)?;
     let mut files = Vec::new();
     for (device, _, channels) in signals.devices() {
         let rounding_nm = rounding_nm(claims, device);
@@ -145,8 +145,8 @@ pub(super) fn rounding_nm(claims: &Claims, device: &str) -> u64 {
 /// cut.
 fn wired_rounding_nm(signals: &Signals, facts: &MachineControllerFacts, claims: &Claims) -> u64 {
     let of_channel = |(index, channel): (usize, &Channel)| {
-        let turns = signals.schedule.turns(index).into_iter();
-        let cut_um = turns.map(|turn| cut_um(turn.change_um_per_s, 1.0 / facts.rate_hz)).fold(0.0, f64::max);
+        let jumps = signals.schedule.speed_jumps(index).into_iter();
+        let cut_um = jumps.map(|jump| cut_um(jump.change_um_per_s, 1.0 / facts.rate_hz)).fold(0.0, f64::max);
         let spare_um = claims.tolerance_um(&channel.device).unwrap_or(0.0) / 2.0;
         ((spare_um - cut_um) * 1000.0).floor().max(0.0) as u64
     };
@@ -163,7 +163,7 @@ struct WaitLines {
 /// The waits of a schedule.
 ///
 /// # Errors
-/// [`EmitError::Unsayable`] for an input that is not a digital pin of the motion controller.
+/// [`EmitError::Unsupported`] for an input that is not a digital pin of the motion controller.
 fn waits(schedule: &Schedule) -> Result<Vec<WaitLines>, EmitError> {
     schedule
         .holds
@@ -184,7 +184,7 @@ fn wait_lines(hold: &ScheduledHold, number: usize) -> Result<String, EmitError> 
             let what =
                 format!("the longest time of `{prompt}`: its pause lasts until the operator resumes the program");
             let help = "omit `for at most`, or write another format".to_owned();
-            Err(EmitError::Unsayable { format: Format::Gcode, what, help })
+            Err(EmitError::Unsupported { format: Format::Gcode, what, help })
         }
         Awaited::Person { prompt } => {
             let text = message(prompt);
@@ -195,7 +195,7 @@ fn wait_lines(hold: &ScheduledHold, number: usize) -> Result<String, EmitError> 
             let Some(pin) = pin(name) else {
                 let what = format!("the input `{name}`: it reads only digital pins of the motion controller");
                 let help = format!("wait for a pin of LinuxCNC, `wait until \"{PIN}00\" for at most 5 s`");
-                return Err(EmitError::Unsayable { format: Format::Gcode, what, help });
+                return Err(EmitError::Unsupported { format: Format::Gcode, what, help });
             };
             let mode = match level {
                 Level::High => 3,
@@ -317,7 +317,7 @@ impl GcodeProgram<'_> {
         }
         let [speed, least] = [feed, LEAST_FEED_MM_PER_MINUTE].map(|feed| Quantity::new(feed / 60e3, Dimension::SPEED));
         let times = (LEAST_FEED_MM_PER_MINUTE / feed * 10.0).ceil() / 10.0;
-        Err(EmitError::Unsayable {
+        Err(EmitError::Unsupported {
             format: Format::Gcode,
             what: format!("a finger at {speed}: LinuxCNC plays every line at {least} or more"),
             help: format!("use speeds {times} times as high for the device, or write `--emit csv` or `stages`"),

@@ -4,7 +4,6 @@
 //! touched, the same input gives the same bytes, and every format represents every channel at every instant, or
 //! [`EmitError`] states why it cannot.
 
-mod course;
 pub mod csv;
 mod dimibot;
 mod electrode_array;
@@ -14,12 +13,13 @@ mod fingers;
 pub(crate) mod fixture;
 mod frames;
 pub mod gcode;
+mod hold_parts;
 mod html;
 mod identifier;
 pub mod mcap;
 mod microrobots;
+mod motion;
 mod nidaqmx;
-mod parts;
 pub mod pwl;
 mod sampling;
 mod scpi;
@@ -107,7 +107,7 @@ pub struct Provenance {
 pub fn emit(format: Format, verified: &Verified, provenance: &Provenance) -> Result<Vec<OutputFile>, EmitError> {
     let schedule = verified.schedule();
     check_finite(schedule)?;
-    parts::refuse_holds(format, schedule)?;
+    hold_parts::refuse_holds(format, schedule)?;
     let named = |ending: &str, bytes| (ending.to_owned(), bytes);
     let signals = Signals::new(schedule);
     let files: Vec<(String, Vec<u8>)> = match format {
@@ -177,11 +177,11 @@ pub fn follow(files: &mut Vec<OutputFile>, script: &str, provenance: &Provenance
     let follower = html::Follower::new(script, provenance);
     let mut pages = Vec::new();
     for file in files.iter_mut().filter(|file| file.name.ends_with(".html")) {
-        follower.lead(&mut file.bytes);
+        follower.mark_page(&mut file.bytes);
         pages.push(file.name.as_str());
     }
     if !pages.is_empty() {
-        let bytes = follower.tell(&pages);
+        let bytes = follower.script_bytes(&pages);
         files.push(OutputFile { name: script.to_owned(), bytes });
     }
 }

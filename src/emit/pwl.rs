@@ -15,7 +15,7 @@
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::signal::{LEAP_UM, half_ns};
+use super::signal::{JUMP_TOLERANCE_UM, half_ns};
 use super::{Format, Signals, identifier};
 use crate::schedule::{Actuation, ChannelUnit, Swing};
 use std::collections::BTreeSet;
@@ -108,7 +108,7 @@ impl<'a> Waveform<'a> {
     fn bends(&self, t_ns: u64) -> bool {
         match self.signals.unit(self.channel) {
             ChannelUnit::Volt => false,
-            ChannelUnit::Micrometre => (self.base_before(t_ns) - self.base(t_ns)).abs() <= LEAP_UM,
+            ChannelUnit::Micrometre => (self.base_before(t_ns) - self.base(t_ns)).abs() <= JUMP_TOLERANCE_UM,
         }
     }
 

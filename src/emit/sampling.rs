@@ -6,7 +6,7 @@
 
 use super::signal::half_ns;
 use super::wired::WiredInstrument;
-use super::{EmitError, Signals, parts};
+use super::{EmitError, Signals, hold_parts};
 use crate::claims::Claims;
 use crate::device::instrument::QUOTIENT_ROOM;
 use crate::schedule::{Actuation, ChannelUnit, common_divisor_ns};
@@ -16,7 +16,7 @@ use crate::schedule::{Actuation, ChannelUnit, common_divisor_ns};
 pub const SAMPLE_UM: f64 = 0.05;
 
 /// Largest divisor by which the common period of voltages is subdivided for positions.
-const MAX_PARTS: u64 = 100_000;
+const MAX_DIVISOR: u64 = 100_000;
 
 /// Sampling limits of an instrument.
 pub struct SampleLimits {
@@ -56,14 +56,14 @@ impl Sampling {
                 let exact_ns = common_divisor_ns(duration_ns, common_ns);
                 // After the last edge nothing changes, so the end may be a little later.
                 let whole_ns = if exact_ns < by_rate_ns { common_ns.max(exact_ns) } else { exact_ns }.max(1);
-                limits.most_ns.map_or(whole_ns, |most_ns| part(whole_ns, most_ns, by_rate_ns))
+                limits.most_ns.map_or(whole_ns, |most_ns| divisor_period_ns(whole_ns, most_ns, by_rate_ns))
             }
             Some(steady_ns) => {
                 let wanted_ns = limits.most_ns.map_or(steady_ns, |most_ns| steady_ns.min(most_ns));
                 let least_ns = by_memory_ns.max(by_rate_ns);
                 match common_ns {
                     0 => wanted_ns.clamp(1, duration_ns.max(1)).max(least_ns),
-                    common_ns => part(common_ns, wanted_ns, least_ns),
+                    common_ns => divisor_period_ns(common_ns, wanted_ns, least_ns),
                 }
             }
         };
@@ -123,7 +123,7 @@ fn common_ns(signals: &Signals) -> u64 {
     let of_volts: Vec<Actuation> = of_volts.collect();
     let times = of_volts.iter().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
     let halves = of_volts.iter().filter_map(|actuation| actuation.swing).map(half_ns);
-    let cuts = parts::cuts_ns(signals.schedule).filter(|_| !of_volts.is_empty());
+    let cuts = hold_parts::cuts_ns(signals.schedule).filter(|_| !of_volts.is_empty());
     times.chain(halves).chain(cuts).fold(0, common_divisor_ns)
 }
 
@@ -151,8 +151,8 @@ fn um_per_ns(signals: &Signals, channel: usize) -> f64 {
 
 /// A period divided by a whole number: the longest result that is at most `wanted_ns`, or else the shortest found that
 /// is at least `least_ns`.
-fn part(whole_ns: u64, wanted_ns: u64, least_ns: u64) -> u64 {
-    let parts = (1..=whole_ns.min(MAX_PARTS)).filter(|parts| whole_ns.is_multiple_of(*parts));
+fn divisor_period_ns(whole_ns: u64, wanted_ns: u64, least_ns: u64) -> u64 {
+    let parts = (1..=whole_ns.min(MAX_DIVISOR)).filter(|parts| whole_ns.is_multiple_of(*parts));
     let mut found_ns = whole_ns;
     for part_ns in parts.map(|parts| whole_ns / parts).take_while(|part_ns| *part_ns >= least_ns) {
         found_ns = part_ns;

@@ -12,7 +12,7 @@ use crate::schedule::{Actuation, ChannelUnit, Schedule, Swing};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Greatest rounding difference of two equal positions, in micrometres.
-pub const LEAP_UM: f64 = 1e-9;
+pub const JUMP_TOLERANCE_UM: f64 = 1e-9;
 
 /// State of a channel around an instant: a drive train, or a single value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -195,14 +195,15 @@ impl<'a> Signals<'a> {
     }
 
     /// The channel and instant of the first position jump or swing of a stage.
-    pub fn first_leap(&self) -> Option<(usize, u64)> {
-        let leap = |channel: usize| {
-            let leaps = |t_ns: &u64| (self.value_before(channel, *t_ns) - self.value(channel, *t_ns)).abs() > LEAP_UM;
+    pub fn first_jump(&self) -> Option<(usize, u64)> {
+        let jump = |channel: usize| {
+            let jumps =
+                |t_ns: &u64| (self.value_before(channel, *t_ns) - self.value(channel, *t_ns)).abs() > JUMP_TOLERANCE_UM;
             let swing = self.swings(channel).next().map(|(actuation, _)| actuation.start_ns);
-            let t_ns = swing.or_else(|| self.breaks([channel]).into_iter().find(leaps))?;
+            let t_ns = swing.or_else(|| self.breaks([channel]).into_iter().find(jumps))?;
             Some((channel, t_ns))
         };
-        self.in_unit(ChannelUnit::Micrometre).find_map(leap)
+        self.in_unit(ChannelUnit::Micrometre).find_map(jump)
     }
 }
 

@@ -35,7 +35,7 @@ pub fn wired(format: Format, schedule: &Schedule, family: Family) -> Result<Vec<
             let is_alone = bench.instruments.len() == 1;
             let leads = instrument.facts.start() == Start::Sender && !is_alone;
             let drives = own.into_iter().map(|(_, drive)| drive).collect();
-            WiredInstrument { name, instrument, schedule: part(schedule, &channels), drives, is_alone, leads }
+            WiredInstrument { name, instrument, schedule: restricted_to(schedule, &channels), drives, is_alone, leads }
         })
         .filter(|wired| !wired.drives.is_empty())
         .collect();
@@ -47,7 +47,7 @@ pub fn wired(format: Format, schedule: &Schedule, family: Family) -> Result<Vec<
 }
 
 /// The schedule reduced to some of its channels.
-fn part(schedule: &Schedule, channels: &[usize]) -> Schedule {
+fn restricted_to(schedule: &Schedule, channels: &[usize]) -> Schedule {
     let place = |channel: u32| channels.iter().position(|index| *index == channel as usize);
     let places: Vec<Option<usize>> = (0..schedule.channels.len() as u32).map(place).collect();
     let actuations = schedule.actuations.iter().filter_map(|actuation| {

@@ -1,6 +1,6 @@
 //! Faults of a log.
 
-use super::{SCHEMA, VoltageFault};
+use super::{SCHEMA, SeriesFault};
 use crate::diagnostic::{Code, Diagnostic};
 
 /// Reason why a file is not a log that can be judged.
@@ -86,7 +86,7 @@ pub fn other_version(version: Option<&str>, schema: Option<&str>) -> Diagnostic 
     ))
 }
 
-impl VoltageFault {
+impl SeriesFault {
     /// The fault as a diagnostic.
     pub fn diagnostic(&self) -> Diagnostic {
         Diagnostic::new(Code::E0846, format!("the voltages or positions in the log differ from its schedule: {self}"))

@@ -3,7 +3,7 @@
 //! Input: the bytes of an MCAP file. Output: a [`Log`] with the data that the verifier needs, or a [`LogError`] with
 //! the fault and its place. Promise: every checksum is present and correct; no input makes it panic or hang; memory
 //! stays within a small multiple of the limits below and of the file's own size. The content of the log is not judged
-//! here, except by [`Log::voltage_fault`], which compares the recorded voltages and positions with the recorded
+//! here, except by [`Log::series_fault`], which compares the recorded voltages and positions with the recorded
 //! schedule.
 //!
 //! The records are parsed here (MCAP specification, version 0) and not by the `mcap` crate: version 0.26 panics on an
@@ -17,7 +17,7 @@ mod series;
 
 pub use error::{LogError, other_version};
 pub use recording::{RecordedMessage, Recording, read_recording};
-pub use series::{Bound, Samples, Series, SeriesColumn, VoltageFault, fault as voltage_fault};
+pub use series::{Bound, Samples, Series, SeriesColumn, SeriesFault, fault as series_fault};
 
 use crate::claims::Claims;
 use crate::schedule::{ChannelUnit, Schedule, json};
@@ -115,7 +115,7 @@ pub struct Log {
     /// The version of Tweeze that wrote it.
     pub version: String,
     /// The recorded plots of the channels, one series for each device and unit.
-    pub voltages: Vec<Series>,
+    pub series: Vec<Series>,
 }
 
 /// Parses a log.
@@ -150,7 +150,7 @@ pub fn read_with<'v>(bytes: &[u8], visit: &'v mut (dyn FnMut(&str, u64, &[u8]) +
         return Err(LogError::content(SCHEDULE, what));
     }
     let files = files(&contents)?;
-    Ok(Log { schedule, claims: claims.to_vec(), files, settings, version, voltages: contents.voltages })
+    Ok(Log { schedule, claims: claims.to_vec(), files, settings, version, series: contents.series })
 }
 
 /// Refuses a log of another schema before any of its content is misread.
@@ -240,8 +240,8 @@ fn files(contents: &Contents) -> Result<Vec<(String, String)>, LogError> {
 
 impl Log {
     /// The first place at which the recorded voltages and positions differ from the recorded schedule.
-    pub fn voltage_fault(&self) -> Option<VoltageFault> {
-        series::fault(&self.schedule, &self.voltages)
+    pub fn series_fault(&self) -> Option<SeriesFault> {
+        series::fault(&self.schedule, &self.series)
     }
 }
 

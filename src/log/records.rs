@@ -22,7 +22,7 @@ pub struct Contents<'a> {
     pub attachments: Vec<Attachment<'a>>,
     /// The metadata records of Tweeze, by name.
     pub metadata: BTreeMap<&'static str, BTreeMap<String, String>>,
-    pub voltages: Vec<Series>,
+    pub series: Vec<Series>,
 }
 
 /// A file inside the log.
@@ -260,16 +260,16 @@ fn topic(record: &LogRecord, contents: &mut Contents, state: &mut RecordsState) 
             schema.ok_or_else(|| LogError::content(format!("topic `{name}`"), "it has no protobuf messages"))?;
         let (decoder, columns) = series::decoder(&schema.name, &schema.descriptor, &metadata)
             .map_err(|what| LogError::content(format!("topic `{name}`"), what))?;
-        if contents.voltages.iter().any(|series| series.topic == name) {
+        if contents.series.iter().any(|series| series.topic == name) {
             return Err(LogError::damaged(record.offset(), format!("a second topic `{name}`")));
         }
-        let (devices, limit) = (contents.voltages.len() as u64 + 1, MAX_DEVICES);
+        let (devices, limit) = (contents.series.len() as u64 + 1, MAX_DEVICES);
         if devices > limit {
             let what = "the number of topics of channels".to_owned();
             return Err(LogError::TooLarge { offset: record.offset(), what, bytes: devices, limit });
         }
-        series = Some((contents.voltages.len(), decoder));
-        contents.voltages.push(Series { topic: name.clone(), columns, samples: Samples::default() });
+        series = Some((contents.series.len(), decoder));
+        contents.series.push(Series { topic: name.clone(), columns, samples: Samples::default() });
     }
     state.topics.insert(id, SeriesTopic { name, definition: record.body.to_vec(), series });
     Ok(())
@@ -296,7 +296,7 @@ fn message(record: &LogRecord, contents: &mut Contents, state: &mut RecordsState
     };
     (state.visit)(&topic.name, t_ns, &record.body[fields.at..]);
     let Some((index, decoder)) = &topic.series else { return Ok(()) };
-    let series = &mut contents.voltages[*index];
+    let series = &mut contents.series[*index];
     let place = || format!("topic `{}` at {t_ns} ns", topic.name);
     let values = decoder.decode(&record.body[fields.at..]).map_err(|what| LogError::content(place(), what))?;
     if series.samples.times_ns().last().is_some_and(|last_ns| *last_ns >= t_ns) {

@@ -206,7 +206,7 @@ fn double(bytes: &mut &[u8]) -> Result<f64, String> {
 
 /// Difference between the recorded voltages or positions and the schedule.
 #[derive(Debug, Clone, PartialEq)]
-pub enum VoltageFault {
+pub enum SeriesFault {
     /// The channels of a device are not recorded, or channels are recorded that the schedule does not have.
     Topic { topic: String },
     /// The channels of a topic are not those of the device, in order.
@@ -217,16 +217,16 @@ pub enum VoltageFault {
     Gap { topic: String, t_ns: u64 },
 }
 
-impl std::fmt::Display for VoltageFault {
+impl std::fmt::Display for SeriesFault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            VoltageFault::Topic { topic } => write!(f, "`{topic}` is missing or superfluous"),
-            VoltageFault::Channels { topic } => write!(f, "`{topic}` has other channels"),
-            VoltageFault::Value { channel, unit, t_ns, recorded, scheduled } => {
+            SeriesFault::Topic { topic } => write!(f, "`{topic}` is missing or superfluous"),
+            SeriesFault::Channels { topic } => write!(f, "`{topic}` has other channels"),
+            SeriesFault::Value { channel, unit, t_ns, recorded, scheduled } => {
                 let unit = unit.symbol();
                 write!(f, "`{channel}` at {t_ns} ns has {recorded} {unit} instead of {scheduled} {unit}")
             }
-            VoltageFault::Gap { topic, t_ns } => write!(f, "`{topic}` has no message at {t_ns} ns"),
+            SeriesFault::Gap { topic, t_ns } => write!(f, "`{topic}` has no message at {t_ns} ns"),
         }
     }
 }
@@ -236,21 +236,21 @@ impl std::fmt::Display for VoltageFault {
 /// If there is none, linear interpolation between the messages of a topic gives the channels of its device at every
 /// nanosecond, or the two levels between which they swing: every instant at which a value jumps or bends is recorded,
 /// as are the instant before it, 0 and the end.
-pub fn fault(schedule: &Schedule, voltages: &[Series]) -> Option<VoltageFault> {
+pub fn fault(schedule: &Schedule, recorded: &[Series]) -> Option<SeriesFault> {
     let topics: BTreeSet<String> = schedule.channels.iter().map(topic).collect();
     let by_channel = schedule.by_channel();
     for topic in &topics {
-        match voltages.iter().find(|series| series.topic == *topic) {
+        match recorded.iter().find(|series| series.topic == *topic) {
             Some(series) => {
                 if let Some(fault) = topic_fault(schedule, &by_channel, series) {
                     return Some(fault);
                 }
             }
-            None => return Some(VoltageFault::Topic { topic: topic.clone() }),
+            None => return Some(SeriesFault::Topic { topic: topic.clone() }),
         }
     }
-    let extra = voltages.iter().find(|series| !topics.contains(&series.topic))?;
-    Some(VoltageFault::Topic { topic: extra.topic.clone() })
+    let extra = recorded.iter().find(|series| !topics.contains(&series.topic))?;
+    Some(SeriesFault::Topic { topic: extra.topic.clone() })
 }
 
 /// The topic in which a channel is recorded.
@@ -258,7 +258,7 @@ fn topic(channel: &Channel) -> String {
     super::topic(&channel.device, channel.unit)
 }
 
-fn topic_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Series) -> Option<VoltageFault> {
+fn topic_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Series) -> Option<SeriesFault> {
     let channels = schedule.channels.iter().zip(by_channel).filter(|(channel, _)| topic(channel) == series.topic);
     let columns: Vec<(SeriesColumn, &Channel, &[&Actuation])> = channels
         .flat_map(|(channel, actuations)| {
@@ -266,7 +266,7 @@ fn topic_fault(schedule: &Schedule, by_channel: &[Vec<&Actuation>], series: &Ser
         })
         .collect();
     if !columns.iter().map(|(column, ..)| column).eq(&series.columns) {
-        return Some(VoltageFault::Channels { topic: series.topic.clone() });
+        return Some(SeriesFault::Channels { topic: series.topic.clone() });
     }
     let mut columns = columns.iter().enumerate();
     columns.find_map(|(index, (column, channel, actuations))| {
@@ -292,7 +292,7 @@ fn column_fault(
     column: &SeriesColumn,
     channel: &Channel,
     actuations: &[&Actuation],
-) -> Option<VoltageFault> {
+) -> Option<SeriesFault> {
     if let Some(fault) = gap(schedule.duration_ns, series, actuations) {
         return Some(fault);
     }
@@ -308,7 +308,7 @@ fn column_fault(
         let agrees = (recorded - scheduled.0).abs() <= scheduled.1;
         if !agrees {
             let (channel, unit, scheduled) = (column.channel.clone(), channel.unit, scheduled.0);
-            return Some(VoltageFault::Value { channel, unit, t_ns, recorded, scheduled });
+            return Some(SeriesFault::Value { channel, unit, t_ns, recorded, scheduled });
         }
     }
     None
@@ -342,10 +342,10 @@ fn value(actuation: &Actuation, bound: Bound, t_ns: u64) -> (f64, f64) {
 }
 
 /// The first instant that must be recorded and is not.
-fn gap(duration_ns: u64, series: &Series, actuations: &[&Actuation]) -> Option<VoltageFault> {
+fn gap(duration_ns: u64, series: &Series, actuations: &[&Actuation]) -> Option<SeriesFault> {
     let edges = actuations.iter().flat_map(|actuation| [actuation.start_ns, actuation.end_ns()]);
     let times = edges.flat_map(|t_ns| [t_ns.saturating_sub(1), t_ns]).chain([0, duration_ns]);
     let recorded = |t_ns: &u64| series.samples.times_ns().binary_search(t_ns).is_ok();
     let missing = times.into_iter().find(|t_ns| !recorded(t_ns));
-    missing.map(|t_ns| VoltageFault::Gap { topic: series.topic.clone(), t_ns })
+    missing.map(|t_ns| SeriesFault::Gap { topic: series.topic.clone(), t_ns })
 }

@@ -27,7 +27,7 @@ fn a_log_comes_back_as_it_was() {
         assert_eq!(log.claims, write_claims(verified.claims()).unwrap());
         assert_eq!((log.files.clone(), log.settings.clone()), (provenance.files, provenance.settings));
         assert_eq!(log.version, env!("CARGO_PKG_VERSION"));
-        assert_eq!(log.voltage_fault(), None);
+        assert_eq!(log.series_fault(), None);
     }
 }
 
@@ -190,15 +190,15 @@ fn parts_without_a_checksum_are_damage() {
     assert_eq!(what, "the summary has no checksum");
 }
 
-fn fault(change: impl FnOnce(&mut Log)) -> Option<VoltageFault> {
+fn fault(change: impl FnOnce(&mut Log)) -> Option<SeriesFault> {
     let mut log = read(&written(&fixture::pair())).unwrap();
     change(&mut log);
-    log.voltage_fault()
+    log.series_fault()
 }
 
 /// Changes the samples of a topic.
 fn sampled(log: &mut Log, topic: usize, change: impl FnOnce(&mut Vec<(u64, Vec<f64>)>)) {
-    let samples = &mut log.voltages[topic].samples;
+    let samples = &mut log.series[topic].samples;
     let mut list = samples.iter().map(|(t_ns, values)| (t_ns, values.to_vec())).collect();
     change(&mut list);
     *samples = Samples::default();
@@ -214,17 +214,17 @@ fn every_recorded_voltage_counts() {
         });
     };
     assert_eq!(fault(|log| value(log, 0.0)), None);
-    let Some(VoltageFault::Value { channel, t_ns, recorded, scheduled, .. }) = fault(|log| value(log, 1e-300)) else {
+    let Some(SeriesFault::Value { channel, t_ns, recorded, scheduled, .. }) = fault(|log| value(log, 1e-300)) else {
         panic!("a value that is not in the schedule is found")
     };
     assert_eq!((channel.as_str(), t_ns, recorded, scheduled), ("bot.bl0.set", 15_000_000, 1e-300, 0.0));
-    assert!(matches!(fault(|log| value(log, f64::NAN)), Some(VoltageFault::Value { .. })));
+    assert!(matches!(fault(|log| value(log, f64::NAN)), Some(SeriesFault::Value { .. })));
 }
 
 #[test]
 fn every_jump_is_recorded() {
     let log = read(&written(&fixture::pair())).unwrap();
-    let device = log.voltages[1].topic.split('/').nth(1).expect("a topic of a device").to_owned();
+    let device = log.series[1].topic.split('/').nth(1).expect("a topic of a device").to_owned();
     let own = log.schedule.actuations.iter().filter(|act| log.schedule.channels[act.channel as usize].device == device);
     let edges: BTreeSet<u64> = own.flat_map(|act| [act.start_ns, act.end_ns()]).collect();
     let times = edges.iter().flat_map(|t_ns| [t_ns.saturating_sub(1), *t_ns]).chain([0, log.schedule.duration_ns]);
@@ -233,9 +233,9 @@ fn every_jump_is_recorded() {
     let without = |t_ns: u64| fault(|log| sampled(log, 1, |samples| samples.retain(|(other_ns, _)| *other_ns != t_ns)));
     for t_ns in &needed {
         let fault = without(*t_ns);
-        assert!(matches!(fault, Some(VoltageFault::Gap { .. })), "sample at {t_ns} ns: {fault:?}");
+        assert!(matches!(fault, Some(SeriesFault::Gap { .. })), "sample at {t_ns} ns: {fault:?}");
     }
-    let beat_ns = *log.voltages[1].samples.times_ns().iter().find(|t_ns| !needed.contains(t_ns)).expect("a beat");
+    let beat_ns = *log.series[1].samples.times_ns().iter().find(|t_ns| !needed.contains(t_ns)).expect("a beat");
     assert_eq!(without(beat_ns), None, "a beat says nothing new");
     let again = |log: &mut Log| {
         sampled(log, 0, |samples| {
@@ -248,11 +248,11 @@ fn every_jump_is_recorded() {
 
 #[test]
 fn every_device_and_channel_is_recorded() {
-    assert!(matches!(fault(|log| drop(log.voltages.pop())), Some(VoltageFault::Topic { .. })));
-    assert!(matches!(fault(|log| log.voltages[0].topic.push('x')), Some(VoltageFault::Topic { .. })));
-    assert!(matches!(fault(|log| log.voltages[0].columns.swap(0, 1)), Some(VoltageFault::Channels { .. })));
-    let twice = fault(|log| log.voltages.push(Series { topic: "/ghost/voltages".into(), ..log.voltages[0].clone() }));
-    assert_eq!(twice, Some(VoltageFault::Topic { topic: "/ghost/voltages".into() }));
+    assert!(matches!(fault(|log| drop(log.series.pop())), Some(SeriesFault::Topic { .. })));
+    assert!(matches!(fault(|log| log.series[0].topic.push('x')), Some(SeriesFault::Topic { .. })));
+    assert!(matches!(fault(|log| log.series[0].columns.swap(0, 1)), Some(SeriesFault::Channels { .. })));
+    let twice = fault(|log| log.series.push(Series { topic: "/ghost/voltages".into(), ..log.series[0].clone() }));
+    assert_eq!(twice, Some(SeriesFault::Topic { topic: "/ghost/voltages".into() }));
 }
 
 #[test]
@@ -261,38 +261,38 @@ fn a_slope_may_be_rounded_but_not_bent() {
     let bent = |by: f64| {
         let mut log = log.clone();
         sampled(&mut log, 0, |samples| samples.iter_mut().find(|(t_ns, _)| *t_ns == 99).unwrap().1[0] += by);
-        log.voltage_fault()
+        log.series_fault()
     };
     assert_eq!(bent(1e-13), None);
-    assert!(matches!(bent(1e-10), Some(VoltageFault::Value { t_ns: 99, .. })));
+    assert!(matches!(bent(1e-10), Some(SeriesFault::Value { t_ns: 99, .. })));
 }
 
 #[test]
 fn trains_are_recorded_by_both_of_their_levels() {
     let log = read(&written(&fixture::bed())).unwrap();
-    let [low, high] = &log.voltages[0].columns[..] else { panic!("two columns") };
+    let [low, high] = &log.series[0].columns[..] else { panic!("two columns") };
     assert_eq!((low.bound, high.bound), (Bound::Low, Bound::High));
     assert_eq!((low.channel.as_str(), high.periods_ns.as_str()), ("m.bed", "50000"));
-    let within = log.voltages[0].samples.iter().find(|(t_ns, _)| *t_ns == 2_000_000).unwrap();
+    let within = log.series[0].samples.iter().find(|(t_ns, _)| *t_ns == 2_000_000).unwrap();
     assert_eq!(within.1, [115.0, 130.0]);
-    assert!(log.voltages[0].samples.times_ns().len() < 1061, "only breaks and beats are recorded");
+    assert!(log.series[0].samples.times_ns().len() < 1061, "only breaks and beats are recorded");
     let fault = |change: fn(&mut Log)| {
         let mut log = log.clone();
         change(&mut log);
-        log.voltage_fault()
+        log.series_fault()
     };
     let value = fault(|log| sampled(log, 0, |samples| samples.iter_mut().for_each(|one| one.1[0] = one.1[1])));
-    assert!(matches!(value, Some(VoltageFault::Value { t_ns: 2_000_000, recorded: 130.0, scheduled: 115.0, .. })));
+    assert!(matches!(value, Some(SeriesFault::Value { t_ns: 2_000_000, recorded: 130.0, scheduled: 115.0, .. })));
     let mut gap = log.clone();
     sampled(&mut gap, 0, |samples| samples.retain(|(t_ns, _)| *t_ns != 2_000_000));
-    assert!(matches!(gap.voltage_fault(), Some(VoltageFault::Gap { t_ns: 2_000_000, .. })));
+    assert!(matches!(gap.series_fault(), Some(SeriesFault::Gap { t_ns: 2_000_000, .. })));
     for change in [
-        (|log| log.voltages[0].columns.swap(0, 1)) as fn(&mut Log),
-        |log| log.voltages[0].columns[0].bound = Bound::Exact,
-        |log| log.voltages[0].columns[1].periods_ns = "40000".into(),
+        (|log| log.series[0].columns.swap(0, 1)) as fn(&mut Log),
+        |log| log.series[0].columns[0].bound = Bound::Exact,
+        |log| log.series[0].columns[1].periods_ns = "40000".into(),
         |log| log.schedule.actuations.retain(|actuation| actuation.swing.is_none()),
     ] {
-        assert!(matches!(fault(change), Some(VoltageFault::Channels { .. })));
+        assert!(matches!(fault(change), Some(SeriesFault::Channels { .. })));
     }
 }
 
@@ -315,14 +315,14 @@ fn a_message_says_every_channel_once() {
 
 /// Messages; header and data of each attachment; metadata.
 #[derive(Clone)]
-struct LogParts {
+struct LogSections {
     messages: Vec<u8>,
     attachments: Vec<(Vec<u8>, Vec<u8>)>,
     metadata: Vec<u8>,
 }
 
 /// The records of an intact log: the messages unpacked, then the attachments and the metadata.
-fn unpacked() -> LogParts {
+fn unpacked() -> LogSections {
     use mcap::records::Record;
     let (mut messages, mut attachments, mut metadata) = (Vec::new(), Vec::new(), Vec::new());
     for record in mcap::read::LinearReader::new(&written(&fixture::pair())).unwrap() {
@@ -351,11 +351,11 @@ fn unpacked() -> LogParts {
             _ => {}
         }
     }
-    LogParts { messages, attachments, metadata }
+    LogSections { messages, attachments, metadata }
 }
 
 /// The parts as a file with correct checksums.
-fn packed(parts: &LogParts) -> Vec<u8> {
+fn packed(parts: &LogSections) -> Vec<u8> {
     let mut records = vec![chunk(parts.messages.len() as u64, crc32fast::hash(&parts.messages), "", &parts.messages)];
     for (head, data) in &parts.attachments {
         let mut body = [head.as_slice(), &(data.len() as u64).to_le_bytes(), data].concat();
@@ -378,7 +378,7 @@ proptest! {
         at in any::<prop::sample::Index>(),
         bytes in prop::collection::vec(any::<u8>(), 1..6),
     ) {
-        static GOOD: std::sync::LazyLock<LogParts> = std::sync::LazyLock::new(unpacked);
+        static GOOD: std::sync::LazyLock<LogSections> = std::sync::LazyLock::new(unpacked);
         let mut parts = GOOD.clone();
         let count = parts.attachments.len();
         let place = match part {
@@ -390,7 +390,7 @@ proptest! {
         let end = (at + bytes.len()).min(place.len());
         place.splice(at..end, bytes);
         if let Ok(log) = read(&packed(&parts)) {
-            let _ = log.voltage_fault();
+            let _ = log.series_fault();
             prop_assert!(crate::schedule::json::write(&log.schedule).len() > 100);
         }
     }

@@ -85,7 +85,7 @@ fn between_runs(claims: &Claims, runs: &[LoweredRun], starts: &[u64], sink: &mut
     let mut last: BTreeMap<&str, usize> = BTreeMap::new();
     for job in by_start {
         let own = &claims.jobs[job];
-        let Some(before) = last.insert(&own.device, job).filter(|_| own.order.asked().holds_in_runs_only()) else {
+        let Some(before) = last.insert(&own.device, job).filter(|_| own.order.as_kind().holds_in_runs_only()) else {
             continue;
         };
         let gap_ns = starts[job].saturating_sub(starts[before] + runs[before].duration_ns);

@@ -9,7 +9,7 @@ use crate::claims::Claims;
 use crate::device::instrument::{Direction, InstrumentFacts, Link, QUOTIENT_ROOM, StageLimits, cut_um};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity};
-use crate::schedule::{Actuation, ChannelUnit, Turn};
+use crate::schedule::{Actuation, ChannelUnit, SpeedJump};
 
 /// The first limit of a stage that its channel exceeds, if the channel is one of positions; `all` are the wired
 /// channels of the schedule.
@@ -118,23 +118,23 @@ impl FollowingStage<'_> {
     /// A corner at which the stage deviates too far from its path, for controller points `period_s` apart.
     fn turns_too_sharply(&self, spare_um: f64, period_s: f64) -> Option<Diagnostic> {
         let (limits, schedule) = (self.wired.drive.limits, self.wired.schedule);
-        let share = |turn: &Turn| slowed(limits, turn, period_s, spare_um);
-        let turns = schedule.turns(self.wired.index).into_iter();
-        let turn = turns.reduce(|worst, next| if share(&next) < share(&worst) { next } else { worst })?;
-        if share(&turn) * QUOTIENT_ROOM >= 1.0 {
+        let share = |jump: &SpeedJump| slowed(limits, jump, period_s, spare_um);
+        let jumps = schedule.speed_jumps(self.wired.index).into_iter();
+        let jump = jumps.reduce(|worst, next| if share(&next) < share(&worst) { next } else { worst })?;
+        if share(&jump) * QUOTIENT_ROOM >= 1.0 {
             return None;
         }
-        let (name, change) = (&self.wired.channel.name, speed(turn.change_um_per_s));
-        let takes_s = limits.acceleration_um_per_s2.map_or(0.0, |most| turn.change_um_per_s / most);
-        let room_s = turn.room_ns as f64 / 1e9;
-        let rounding_um = limits.rounding_um(turn.change_um_per_s);
+        let (name, change) = (&self.wired.channel.name, speed(jump.change_um_per_s));
+        let takes_s = limits.acceleration_um_per_s2.map_or(0.0, |most| jump.change_um_per_s / most);
+        let room_s = jump.room_ns as f64 / 1e9;
+        let rounding_um = limits.rounding_um(jump.change_um_per_s);
         let title = if takes_s > room_s {
             let [room, takes] = [room_s, takes_s].map(seconds);
             format!(
                 "`{name}` changes its speed by {change} and keeps it for {room}, but its stage takes {takes} for the change"
             )
         } else {
-            let off = Quantity::length_um(rounding_um + cut_um(turn.change_um_per_s, period_s));
+            let off = Quantity::length_um(rounding_um + cut_um(jump.change_um_per_s, period_s));
             format!("`{name}` changes its speed by {change}; its stage is {off} off its path there")
         };
         let by_stage = limits.acceleration_um_per_s2.map(|most| {
@@ -148,10 +148,10 @@ impl FollowingStage<'_> {
         let at_wire: String = by_stage.into_iter().chain(by_places).collect();
         let at_wire = format!("{at_wire}half of the tolerance is {}", Quantity::length_um(spare_um));
         let shares = self.of_wire().flat_map(|stage| {
-            let turns = schedule.turns(stage.index).into_iter();
-            turns.map(move |turn| slowed(stage.drive.limits, &turn, period_s, spare_um)).collect::<Vec<f64>>()
+            let jumps = schedule.speed_jumps(stage.index).into_iter();
+            jumps.map(move |jump| slowed(stage.drive.limits, &jump, period_s, spare_um)).collect::<Vec<f64>>()
         });
-        Some(self.finding(title, at_wire, turn.step).help(slower(shares.fold(share(&turn), f64::min))))
+        Some(self.finding(title, at_wire, jump.step).help(slower(shares.fold(share(&jump), f64::min))))
     }
 }
 
@@ -175,14 +175,14 @@ fn slower(share: f64) -> String {
 /// The share of its speed at which a stage can follow a corner: the deviation then stays within `spare_um` (a
 /// quadratic equation), and the change fits into the time for it, which grows while the change gets shorter. Above 1
 /// if it can follow at full speed.
-fn slowed(limits: StageLimits, turn: &Turn, period_s: f64, spare_um: f64) -> f64 {
-    let (rounding, cut) = (limits.rounding_um(turn.change_um_per_s), cut_um(turn.change_um_per_s, period_s));
+fn slowed(limits: StageLimits, jump: &SpeedJump, period_s: f64, spare_um: f64) -> f64 {
+    let (rounding, cut) = (limits.rounding_um(jump.change_um_per_s), cut_um(jump.change_um_per_s, period_s));
     let within = match rounding > 0.0 {
         true => ((cut * cut + 4.0 * rounding * spare_um).sqrt() - cut) / (2.0 * rounding),
         false => spare_um / cut,
     };
-    let takes_ns = limits.acceleration_um_per_s2.map_or(0.0, |most| turn.change_um_per_s / most * 1e9);
-    within.min((turn.room_ns as f64 / takes_ns).sqrt())
+    let takes_ns = limits.acceleration_um_per_s2.map_or(0.0, |most| jump.change_um_per_s / most * 1e9);
+    within.min((jump.room_ns as f64 / takes_ns).sqrt())
 }
 
 /// Advice on the origin, such that all paths, each given by its two ends, fit into the travel, or else such that the
@@ -243,8 +243,8 @@ mod tests {
     fn a_speed_that_is_advised_is_slow_enough() {
         let limits = StageLimits { speed_um_per_s: None, acceleration_um_per_s2: Some(500.0) };
         for (change_um_per_s, period_s) in [(20.0, 0.0), (20.0, 1e-3), (300.0, 1e-3), (300.0, 5e-5)] {
-            let turn = Turn { t_ns: 0, change_um_per_s, room_ns: u64::MAX, step: 0 };
-            let share = slowed(limits, &turn, period_s, 0.025);
+            let jump = SpeedJump { t_ns: 0, change_um_per_s, room_ns: u64::MAX, step: 0 };
+            let share = slowed(limits, &jump, period_s, 0.025);
             let off_um =
                 |share: f64| limits.rounding_um(share * change_um_per_s) + cut_um(share * change_um_per_s, period_s);
             assert!((off_um(share) - 0.025).abs() < 1e-12, "{share}");

@@ -29,7 +29,7 @@ impl CheckedFigures {
         let pitch = |(name, facts): &(String, KindFacts)| Some((name.clone(), facts.pitch()?));
         let mut places: BTreeMap<usize, BTreeSet<String>> = BTreeMap::new();
         let orders = checked.claims.iter().flat_map(|claims| &claims.jobs).map(|job| &job.order);
-        let of_orders = orders.flat_map(|order| order.asked().taken_for_places());
+        let of_orders = orders.flat_map(|order| order.as_kind().taken_for_places());
         for (span, text) in of_orders.filter(|(span, _)| span.file == own) {
             places.entry(span.range().end).or_default().insert(text);
         }

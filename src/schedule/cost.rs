@@ -14,7 +14,7 @@ pub(super) trait Costed {
     fn cost(&self, plan: &PlanRecord) -> String;
 
     /// The work in an interval of a run, in what the kind counts; `None` for a kind that only counts time.
-    fn stretch(&self, _plan: &PlanRecord, _start_ns: u64, _end_ns: u64) -> Option<String> {
+    fn work_in(&self, _plan: &PlanRecord, _start_ns: u64, _end_ns: u64) -> Option<String> {
         None
     }
 }
@@ -27,8 +27,8 @@ pub fn cost(order: &Order, plan: &PlanRecord) -> String {
 
 /// The work in an interval of a run, in what its kind counts: `9 switches`, `34 steps`; `None` for a kind that only
 /// counts time.
-pub fn stretch(order: &Order, plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
-    each_kind!(Order, order, order => order.stretch(plan, start_ns, end_ns))
+pub fn work_in(order: &Order, plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
+    each_kind!(Order, order, order => order.work_in(plan, start_ns, end_ns))
 }
 
 /// `optimal (bound 29.88 um)`.

@@ -61,7 +61,7 @@ impl Costed for DimibotOrder {
     }
 
     /// Number of modules switched in the interval.
-    fn stretch(&self, plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
+    fn work_in(&self, plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
         let words = plan.states.iter().filter_map(|TimedState { t_ns, state }| match state {
             State::Dimibot(DimibotState { word, .. }) => Some((*t_ns, *word)),
             State::ElectrodeArray(_) | State::Microrobots(_) | State::Fingers(_) => None,

@@ -53,7 +53,7 @@ impl Costed for ElectrodeArrayOrder {
     }
 
     /// Number of steps of the board in the interval.
-    fn stretch(&self, _plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
+    fn work_in(&self, _plan: &PlanRecord, start_ns: u64, end_ns: u64) -> Option<String> {
         Some(count(end_ns.saturating_sub(start_ns) / self.facts.step_ns.max(1), "step"))
     }
 }

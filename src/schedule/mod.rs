@@ -12,11 +12,11 @@ pub mod json;
 pub mod levels;
 pub mod microrobots;
 pub mod reached;
-mod turns;
+mod speed_jumps;
 
 pub use microrobots::control;
 pub use reached::Reached;
-pub use turns::Turn;
+pub use speed_jumps::SpeedJump;
 
 use crate::device::each_kind;
 use crate::device::instrument::{self, Bench, HoldTerms};

@@ -105,7 +105,7 @@ fn shared(scene: &SharedScene, claims: &Claims) -> Result<(), InvalidClaims> {
         if jobs().next().is_none() || jobs().any(|job| job.kind().vocabulary().frames == Frames::No) {
             return invalid("as a robot that the program does not run");
         }
-        let places = jobs().filter_map(|job| job.order.asked().frame());
+        let places = jobs().filter_map(|job| job.order.as_kind().frame());
         if places.chain(claims.frame(device)).any(|other| other != *frame) {
             return invalid("at two places");
         }

@@ -216,7 +216,7 @@ pub fn verify(bytes: &[u8]) -> Result<(), String> {
         }
         Verdict::Inconclusive { why } => return Err(why),
     };
-    if let Some(fault) = log.voltage_fault() {
+    if let Some(fault) = log.series_fault() {
         return Err(fault.to_string());
     }
     let provenance = Provenance { files: log.files.clone(), settings: log.settings.clone(), is_recorded: true };

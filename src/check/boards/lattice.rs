@@ -132,7 +132,7 @@ fn places(drawn: &[(usize, [f64; 4])], spacing: f64) -> BTreeMap<usize, LatticeP
         .collect();
     let mut largest: BTreeMap<usize, LatticePlace> = BTreeMap::new();
     while let Some((index, at)) = open.pop_first() {
-        let found = hanging_together((index, at), &mut open, spacing);
+        let found = connected_component((index, at), &mut open, spacing);
         if found.len() > largest.len() {
             largest = found;
         }
@@ -168,7 +168,7 @@ fn cut_off(electrodes: &[DrawnElectrode], places: &BTreeMap<usize, LatticePlace>
 }
 
 /// The electrodes connected to a first one, each with its place, by breadth-first search; they are removed from `open`.
-fn hanging_together(
+fn connected_component(
     first: (usize, [f64; 2]),
     open: &mut BTreeMap<usize, [f64; 2]>,
     spacing: f64,

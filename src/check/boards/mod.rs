@@ -5,10 +5,10 @@
 //! Electrodes off the lattice or disconnected from that set are left out, and so are all that share a channel with one
 //! of these.
 
+mod json;
 mod lattice;
-mod lists;
 mod paths;
-mod pictures;
+mod svg;
 
 use super::scope::Scope;
 use super::value::{BoardFile, Value};
@@ -57,10 +57,10 @@ fn read(path: &str, text: &str, limits: BoardLimits) -> Result<BoardFile, String
     if written.is_empty() {
         return Err("is empty".to_owned());
     }
-    let is_picture = written.starts_with('<');
-    let electrodes = if is_picture { pictures::read(text, limits)? } else { lists::read(text, limits)? };
+    let is_svg = written.starts_with('<');
+    let electrodes = if is_svg { svg::read(text, limits)? } else { json::read(text, limits)? };
     if electrodes.is_empty() {
-        let looked_for = match is_picture {
+        let looked_for = match is_svg {
             true => "no path with `data-channels`",
             false => "neither a `grid` or `grids` of pins in its `layout`, nor a list of electrodes",
         };

@@ -13,7 +13,7 @@ use super::value::{ModuleWord, Value, whole};
 use super::{CheckedFacts, Checker, KindChecks, KindFacts, errors, shapes};
 use crate::claims::dimibot::{
     Asked, DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacle, DimibotObstacleBody, DimibotOrder,
-    DimibotPlanner, DimibotStep, DimibotStop, StandingTip,
+    DimibotPlanner, DimibotStep, DimibotStop, InitialCell,
 };
 use crate::claims::{Job, Order};
 use crate::device::dimibot::{self, DimibotFacts, DimibotVerb, LatticeCell, Side, Simultaneous};
@@ -59,11 +59,11 @@ impl KindChecks for DimibotChecks {
         facts(device, sink).map(|facts| KindFacts::Dimibot(Rc::new(facts)))
     }
 
-    fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
-        starts_agree(jobs, sink);
+    fn check_continuity(&self, jobs: &mut [Job], sink: &mut Sink) {
+        check_starts(jobs, sink);
     }
 
-    fn beside(&self, checker: &mut Checker, placed: &PlacedDevices, jobs: &mut [Job]) {
+    fn add_idle_obstacles(&self, checker: &mut Checker, placed: &PlacedDevices, jobs: &mut [Job]) {
         checker.put_idle_robots(placed, jobs);
     }
 }
@@ -425,7 +425,7 @@ fn beyond(
 
 /// Where a robot stands after a task, as far as known before planning.
 #[derive(Clone, Copy)]
-enum KnownStand {
+enum TipPosition {
     At(LatticeCell),
     /// After a `visit`, whose order the planner chooses.
     Unknown,
@@ -433,37 +433,38 @@ enum KnownStand {
 
 /// Checks that each `start at` is where the device's last task left it, as far as known before planning, and that a
 /// task without one does not begin on an obstacle.
-fn starts_agree(jobs: &[Job], sink: &mut Sink) {
-    let mut stands: BTreeMap<&str, KnownStand> = BTreeMap::new();
+fn check_starts(jobs: &[Job], sink: &mut Sink) {
+    let mut positions: BTreeMap<&str, TipPosition> = BTreeMap::new();
     for job in jobs {
         let Some(order) = DimibotOrder::of(&job.order) else { continue };
-        let before = stands.get(job.device.as_str()).copied();
-        if let (Some(start), Some(KnownStand::At(cell))) = (order.start, before)
+        let before = positions.get(job.device.as_str()).copied();
+        if let (Some(start), Some(TipPosition::At(cell))) = (order.start, before)
             && start.value != cell
         {
             sink.push(order.start_disagrees(start, cell, job));
         }
-        let begins = order.start.map(|start| KnownStand::At(start.value)).or(before);
-        let begins = begins.unwrap_or(KnownStand::At(order.facts.home));
-        if let (None, KnownStand::At(cell)) = (order.start, begins) {
+        let begins = order.start.map(|start| TipPosition::At(start.value)).or(before);
+        let begins = begins.unwrap_or(TipPosition::At(order.facts.home));
+        if let (None, TipPosition::At(cell)) = (order.start, begins) {
             let body = |index: usize| order.obstacles[index].body.seen_from(order.frame.as_ref());
             let covers = |index: &usize| cover::covers(&body(*index), cell, &order.facts);
             let covering: Vec<usize> = (0..order.obstacles.len()).filter(covers).collect();
             if !covering.is_empty() {
-                let stands = if before.is_some() { StandingTip::LeftThere(cell) } else { StandingTip::AtHome(cell) };
-                sink.push(order.start_covered(stands, &covering, job));
+                let initial =
+                    if before.is_some() { InitialCell::AfterLastTask(cell) } else { InitialCell::AtHome(cell) };
+                sink.push(order.start_covered(initial, &covering, job));
             }
         }
         let ends = end_of(order).unwrap_or(begins);
-        stands.insert(&job.device, ends);
+        positions.insert(&job.device, ends);
     }
 }
 
 /// Where a task's steps end; `None` if they move nothing.
-fn end_of(order: &DimibotOrder) -> Option<KnownStand> {
+fn end_of(order: &DimibotOrder) -> Option<TipPosition> {
     order.steps.iter().rev().find_map(|step| match &step.action {
-        DimibotAction::Move(stops) => stops.last().map(|stop| KnownStand::At(stop.cell)),
-        DimibotAction::Visit(_) => Some(KnownStand::Unknown),
+        DimibotAction::Move(stops) => stops.last().map(|stop| TipPosition::At(stop.cell)),
+        DimibotAction::Visit(_) => Some(TipPosition::Unknown),
         DimibotAction::Wait(_) => None,
     })
 }

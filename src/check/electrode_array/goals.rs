@@ -6,7 +6,7 @@ use super::cover::{SpacedPlaces, nearest_cell};
 use super::default_expansions;
 use super::errors;
 use super::errors::Departure;
-use super::tray::{BlockedCell, BoardScene, Outlet, on_obstacle};
+use super::scene::{BlockedCell, BoardScene, Outlet, on_obstacle};
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::tasks::{self, ContentRequirement, Parts, TaskSite};
@@ -35,22 +35,29 @@ impl Checker<'_> {
         facts: &ElectrodeArrayFacts,
         parts: Parts,
     ) -> Option<ElectrodeArrayOrder> {
-        let tray = self.tray(site, facts);
+        let board_scene = self.board_scene(site, facts);
         let objective = objective(parts.objective.as_ref().map(|objective| objective.value))?;
         let bystanders = bystanders(&parts);
-        let planner = planner(&parts, objective, bystanders, facts, tray.parts.len(), self.sink);
+        let planner = planner(&parts, objective, bystanders, facts, board_scene.parts.len(), self.sink);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
         let hold = site.device.fields.get("hold").map(|field| field.span);
-        let mut judge = BoardStepJudge { facts, tray: &tray, scene, device: &site.device.name, hold, sink: self.sink };
+        let mut judge = BoardStepJudge {
+            facts,
+            board_scene: &board_scene,
+            scene,
+            device: &site.device.name,
+            hold,
+            sink: self.sink,
+        };
         let steps: Vec<Option<ElectrodeArrayStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
         let steps: Option<Vec<ElectrodeArrayStep>> = steps.into_iter().collect();
         let contents = judge.contents(&parts.contents);
         let contamination = judge.contamination(&parts.conditions, &parts.steps);
         let order = ElectrodeArrayOrder {
             facts: facts.clone(),
-            obstacles: Arc::clone(&tray.obstacles),
-            parts: Arc::clone(&tray.parts),
-            zones: Arc::clone(&tray.zones),
+            obstacles: Arc::clone(&board_scene.obstacles),
+            parts: Arc::clone(&board_scene.parts),
+            zones: Arc::clone(&board_scene.zones),
             objective,
             planner: planner?,
             bystanders,
@@ -58,7 +65,7 @@ impl Checker<'_> {
             contamination: contamination?,
             steps: steps?,
         };
-        tray.is_whole.then_some(order)
+        board_scene.is_whole.then_some(order)
     }
 }
 
@@ -153,7 +160,7 @@ pub(super) fn is_assay(action: &tasks::VocabularyAction) -> bool {
 /// Judges the steps of one task.
 pub(super) struct BoardStepJudge<'a> {
     pub facts: &'a ElectrodeArrayFacts,
-    pub tray: &'a BoardScene,
+    pub board_scene: &'a BoardScene,
     /// Where the task's scene is declared.
     pub scene: Option<Span>,
     /// Name of the device.
@@ -177,11 +184,11 @@ impl BoardStepJudge<'_> {
         let object =
             Value::Object(ObjectName { noun: BoardNoun::Part.name(), name: part.value.clone(), word: part.span });
         let part = self.part(&Argument { value: object, span: part.span, origin: None })?;
-        let fluids = self.tray.fluids();
+        let fluids = self.board_scene.fluids();
         let share = match share.value.as_str() {
             "volume" => DropletShare::Volume,
             name if fluids.contains(name) => DropletShare::Fluid(name.to_owned()),
-            name if self.tray.is_faulty_fluid(name) => return None,
+            name if self.board_scene.is_faulty_fluid(name) => return None,
             name => {
                 let wrong = errors::unknown_fluid(Code::E0559, share.span, name, share.span, &fluids, self.scene);
                 self.sink.push(wrong);
@@ -241,7 +248,7 @@ impl BoardStepJudge<'_> {
         let mut stays = 0;
         for (operation, call) in operations.iter().zip(calls) {
             stays += operation.stay_steps(self.facts);
-            let most = self.facts.most_stay_steps(self.tray.parts.len());
+            let most = self.facts.most_stay_steps(self.board_scene.parts.len());
             if stays > most {
                 let time = phrases(call, "for").next();
                 let span = time.map_or(call.span, |time| time.span);
@@ -382,7 +389,7 @@ impl BoardStepJudge<'_> {
         let free = |[column, row]: [i64; 2]| {
             let pair = [i64::from(centre.column) + column, i64::from(centre.row) + row];
             let cell = on_board(pair, self.facts).filter(|cell| self.facts.reaches(*cell));
-            cell.filter(|cell| self.tray.cover.covering(*cell).is_none()).ok_or(pair)
+            cell.filter(|cell| self.board_scene.cover.covering(*cell).is_none()).ok_or(pair)
         };
         let side = [(to.column, centre.column), (to.row, centre.row)].map(|(to, at)| i64::from(to) - i64::from(at));
         let across =
@@ -412,7 +419,7 @@ impl BoardStepJudge<'_> {
     /// The reservoir that an argument names: its name, its outlet, and the time in which it dispenses a droplet, in
     /// nanoseconds.
     pub(super) fn dispensing(&mut self, call: &Call, from: &Argument) -> Option<(String, ElectrodeCell, u64)> {
-        let outlet = self.tray.reservoirs.index(from, self.scene, self.tray.is_whole, self.sink);
+        let outlet = self.board_scene.reservoirs.index(from, self.scene, self.board_scene.is_whole, self.sink);
         let wrong = if self.facts.layout.electrodes != Electrodes::Single {
             Some(errors::parts_are_not_dispensed(call.span))
         } else if self.facts.hold == Hold::Off {
@@ -423,7 +430,7 @@ impl BoardStepJudge<'_> {
             None
         };
         self.sink.unless(wrong)?;
-        let Outlet { name, cell, .. } = self.tray.outlets.get(outlet?)?;
+        let Outlet { name, cell, .. } = self.board_scene.outlets.get(outlet?)?;
         Some((name.clone(), *cell, self.facts.dispense_ns_at(*cell)?))
     }
 
@@ -463,7 +470,7 @@ impl BoardStepJudge<'_> {
                 spread.put(stop.cell, *part);
                 continue;
             };
-            let cover = &self.tray.cover;
+            let cover = &self.board_scene.cover;
             let free = nearest_cell(stop.cell, self.facts, |cell| {
                 cover.covering(cell).is_none() && spread.near(cell).is_none()
             });
@@ -507,12 +514,12 @@ impl BoardStepJudge<'_> {
     }
 
     pub(super) fn name(&self, part: usize) -> &str {
-        self.tray.parts.get(part).map_or("", |part| part.name.as_str())
+        self.board_scene.parts.get(part).map_or("", |part| part.name.as_str())
     }
 
     /// Index of the part that an argument names; `None` after an error.
     fn part(&mut self, argument: &Argument) -> Option<usize> {
-        self.tray.names.index(argument, self.scene, self.tray.is_whole, self.sink)
+        self.board_scene.names.index(argument, self.scene, self.board_scene.is_whole, self.sink)
     }
 
     /// A cell that the centre of a part can take; `None` after an error.
@@ -521,7 +528,7 @@ impl BoardStepJudge<'_> {
             target.unless(Some(errors::no_cell(target.span, &target.value)), self.sink);
             return None;
         };
-        let cover = &self.tray.cover;
+        let cover = &self.board_scene.cover;
         let is_free = |cell| cover.covering(cell).is_none();
         let Some(cell) = on_board(pair, self.facts).filter(|cell| self.facts.reaches(*cell)) else {
             let clamped = ElectrodeCell::new(clamped(pair[0]), clamped(pair[1]));
@@ -532,7 +539,7 @@ impl BoardStepJudge<'_> {
         };
         let wrong = cover.covering(cell).map(|index| {
             let place = BlockedCell { code: Code::E0502, cell, span: target.span };
-            on_obstacle(&place, &self.tray.obstacles[index], self.facts, nearest_cell(cell, self.facts, is_free))
+            on_obstacle(&place, &self.board_scene.obstacles[index], self.facts, nearest_cell(cell, self.facts, is_free))
         });
         target.unless(wrong, self.sink)?;
         Some(ElectrodeArrayStop { cell, span: target.span, origin: target.origin.clone() })
@@ -562,7 +569,7 @@ impl BoardStepJudge<'_> {
             if earlier.part == found.part {
                 continue;
             }
-            let cover = &self.tray.cover;
+            let cover = &self.board_scene.cover;
             let free = nearest_cell(goal.cell, self.facts, |cell| {
                 cover.covering(cell).is_none() && spread.near(cell).is_none()
             });

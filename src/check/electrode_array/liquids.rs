@@ -57,7 +57,7 @@ impl Liquid {
 /// Warns where merging makes a droplet so wide that it touches another one on the board across the separation, on
 /// devices that do not state the largest droplet that they carry. In a gap of constant height the width grows with the
 /// square root of the volume.
-pub fn suit(jobs: &[Job], sink: &mut Sink) {
+pub fn warn_of_wide_droplets(jobs: &[Job], sink: &mut Sink) {
     let mut boards: BTreeMap<&str, (BoardLiquids, BTreeSet<&str>)> = BTreeMap::new();
     for job in jobs {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };

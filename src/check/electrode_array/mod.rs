@@ -3,6 +3,7 @@
 mod among;
 mod board;
 mod cells;
+mod contamination;
 mod cover;
 mod errors;
 mod forces;
@@ -12,12 +13,11 @@ mod magnets;
 mod map;
 mod motion;
 mod physics;
-mod places;
+mod positions;
 mod reservoirs;
+mod scene;
 mod stays;
 mod teams;
-mod traces;
-mod tray;
 mod washes;
 mod zones;
 
@@ -104,19 +104,19 @@ impl KindChecks for ElectrodeArrayChecks {
         board::facts(device, sink).map(|facts| KindFacts::ElectrodeArray(Rc::new(facts)))
     }
 
-    fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
+    fn check_continuity(&self, jobs: &mut [Job], sink: &mut Sink) {
         let errors = sink.errors();
-        let mut before = places::places_agree(jobs, sink);
-        if sink.errors() == errors && washes::enter(jobs, &before, sink) {
-            before = places::places_agree(jobs, sink);
+        let mut before = positions::check_positions(jobs, sink);
+        if sink.errors() == errors && washes::insert_washes(jobs, &before, sink) {
+            before = positions::check_positions(jobs, sink);
         }
-        traces::agree(jobs, before, sink);
-        zones::agree(jobs, sink);
+        contamination::check_contamination(jobs, before, sink);
+        zones::check_temperatures(jobs, sink);
     }
 
-    fn suit(&self, claims: &Claims, idle: &[(String, Drive)], sink: &mut Sink) {
-        zones::suit(&claims.jobs, &claims.bench, sink);
-        liquids::suit(&claims.jobs, sink);
+    fn warn_of_mismatches(&self, claims: &Claims, idle: &[(String, Drive)], sink: &mut Sink) {
+        zones::warn_of_unset_heaters(&claims.jobs, &claims.bench, sink);
+        liquids::warn_of_wide_droplets(&claims.jobs, sink);
         magnets::raised(claims, idle, sink);
         magnets::halves_stay(&claims.jobs, sink);
     }

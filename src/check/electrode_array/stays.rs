@@ -28,9 +28,10 @@ impl BoardStepJudge<'_> {
     /// The zone that an argument names, with its middle; or the zone of the sort at a cell.
     pub(super) fn zone_stop(&mut self, target: &Argument, sort: ZoneSort) -> Option<(usize, ElectrodeArrayStop)> {
         if let Value::Object(_) = &target.value {
-            let found = self.tray.sites.index(target, self.scene, self.tray.is_whole, self.sink)?;
-            let zone = self.tray.zones.get(found)?;
-            let others = || self.tray.zones.iter().filter(|zone| zone.sort == sort).map(|zone| zone.name.as_str());
+            let found = self.board_scene.sites.index(target, self.scene, self.board_scene.is_whole, self.sink)?;
+            let zone = self.board_scene.zones.get(found)?;
+            let others =
+                || self.board_scene.zones.iter().filter(|zone| zone.sort == sort).map(|zone| zone.name.as_str());
             let wrong = (zone.sort != sort).then(|| errors::zone_of_other_sort(target.span, zone, sort, others()));
             target.unless(wrong, self.sink)?;
             let pair = zone.middle().pair().map(|number| Quantity::number(f64::from(number)));
@@ -38,14 +39,14 @@ impl BoardStepJudge<'_> {
             return Some((found, self.stop(&middle)?));
         }
         let stop = self.stop(target)?;
-        let of_sort = || self.tray.zones.iter().enumerate().filter(|(_, zone)| zone.sort == sort);
+        let of_sort = || self.board_scene.zones.iter().enumerate().filter(|(_, zone)| zone.sort == sort);
         if let Some((found, _)) = of_sort().find(|(_, zone)| zone.holds(stop.cell)) {
             return Some((found, stop));
         }
-        let cover = &self.tray.cover;
+        let cover = &self.board_scene.cover;
         let is_one = |cell| of_sort().any(|(_, zone)| zone.holds(cell)) && cover.covering(cell).is_none();
         // The intended zone may be one that is faulty itself.
-        if !self.tray.sites.has_faulty() {
+        if !self.board_scene.sites.has_faulty() {
             let near = nearest_cell(stop.cell, self.facts, is_one);
             target.unless(Some(errors::no_zone_here(target.span, stop.cell, sort, near)), self.sink)?;
         }

@@ -14,13 +14,14 @@ impl BoardStepJudge<'_> {
     pub fn team(&mut self, call: &Call, nth: usize) -> Option<Vec<ElectrodeArrayMove>> {
         let object = call.object.as_ref()?;
         let Value::Object(ObjectName { name, .. }) = &object.value else { return None };
-        let parts: Vec<usize> =
-            (0..self.tray.parts.len()).filter(|part| self.tray.parts[*part].family() == Some(name)).collect();
+        let parts: Vec<usize> = (0..self.board_scene.parts.len())
+            .filter(|part| self.board_scene.parts[*part].family() == Some(name))
+            .collect();
         if parts.is_empty() {
-            let families: BTreeSet<&str> = self.tray.parts.iter().filter_map(|part| part.family()).collect();
+            let families: BTreeSet<&str> = self.board_scene.parts.iter().filter_map(|part| part.family()).collect();
             let wrong = errors::no_team(object.span, name, &families, self.scene);
             // A scene that was cut for its size has already reported this.
-            self.sink.unless(self.tray.is_whole.then_some(wrong))?;
+            self.sink.unless(self.board_scene.is_whole.then_some(wrong))?;
             return None;
         }
         let to = phrases(call, "to").next()?;
@@ -50,7 +51,7 @@ impl BoardStepJudge<'_> {
     /// Name of the part of a move in messages; in a team the name before the index, since which part will come there is
     /// not known.
     pub fn mover(&self, one: &ElectrodeArrayMove) -> &str {
-        let family = one.team.and_then(|_| self.tray.parts.get(one.part)?.family());
+        let family = one.team.and_then(|_| self.board_scene.parts.get(one.part)?.family());
         family.unwrap_or(self.name(one.part))
     }
 }

@@ -6,7 +6,7 @@
 //! operation there waits for it. Washes then are operations like any others.
 
 use super::errors;
-use super::places::BoardBefore;
+use super::positions::BoardBefore;
 use crate::claims::electrode_array::{
     AssayOperation, BoardPart, Contamination, ElectrodeArrayAction, ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
     WashCourse,
@@ -22,14 +22,14 @@ const NAME: &str = "wash";
 
 /// Enters the wash droplets that tasks request into their orders; returns whether there are any. `before` has the board
 /// before each job.
-pub fn enter(jobs: &mut [Job], before: &[(usize, BoardBefore)], sink: &mut Sink) -> bool {
+pub fn insert_washes(jobs: &mut [Job], before: &[(usize, BoardBefore)], sink: &mut Sink) -> bool {
     // By device, the wash droplets of all its tasks.
     let mut droplets: BTreeMap<String, Vec<BoardPart>> = BTreeMap::new();
     for (nth, board) in before {
         let Job { device, order: Order::ElectrodeArray(order), .. } = &mut jobs[*nth] else { continue };
         let Some(course) = order.contamination.course.clone() else { continue };
         let own = droplets.entry(device.clone()).or_default();
-        if enter_in_order(order, &course, board, own, sink).is_none() {
+        if insert_in_order(order, &course, board, own, sink).is_none() {
             return false;
         }
     }
@@ -45,7 +45,7 @@ pub fn enter(jobs: &mut [Job], before: &[(usize, BoardBefore)], sink: &mut Sink)
 }
 
 /// Enters the wash droplets of one order; `droplets` are those of the device so far. `None` after an error.
-fn enter_in_order(
+fn insert_in_order(
     order: &mut ElectrodeArrayOrder,
     course: &WashCourse,
     before: &BoardBefore,
@@ -108,8 +108,8 @@ struct PlaceVisit {
 fn visits(operations: &[AssayOperation], facts: &ElectrodeArrayFacts, before: &BoardBefore) -> Vec<PlaceVisit> {
     let mut walk = VisitWalk { visits: Vec::new(), at: BTreeMap::new() };
     let mut fluids = before.fluids.clone();
-    for (part, stand) in before.stands.iter().enumerate() {
-        if let Some((cell, _)) = *stand {
+    for (part, position) in before.positions.iter().enumerate() {
+        if let Some((cell, _)) = *position {
             walk.come(part, cell, [cell], None, &fluids[part]);
         }
     }
@@ -193,7 +193,7 @@ fn washes(visits: &[PlaceVisit], contamination: &Contamination, outlet: Electrod
             continue;
         }
         let harms =
-            |other: &PlaceVisit| other.part != visit.part && contamination.does_harm(&other.fluids, &visit.fluids);
+            |other: &PlaceVisit| other.part != visit.part && contamination.contaminates(&other.fluids, &visit.fluids);
         let mut soiled: BTreeMap<ElectrodeCell, BTreeSet<usize>> = BTreeMap::new();
         for cell in &visit.cells {
             let Some(others) = left.get_mut(cell) else { continue };

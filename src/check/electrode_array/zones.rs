@@ -28,7 +28,7 @@ pub fn misplaced(zone: &BoardZone, before: &[BoardZone], facts: &ElectrodeArrayF
 }
 
 /// Reports heaters that need two temperatures in one schedule.
-pub fn agree(jobs: &[Job], sink: &mut Sink) {
+pub fn check_temperatures(jobs: &[Job], sink: &mut Sink) {
     let mut temperatures: BTreeMap<(&str, &str), (f64, Span)> = BTreeMap::new();
     for Heating { device, heater, asked_k, span } in heatings(jobs) {
         let (first_k, first) = *temperatures.entry((device, heater)).or_insert((asked_k, span));
@@ -41,7 +41,7 @@ pub fn agree(jobs: &[Job], sink: &mut Sink) {
 
 /// Warns, once per heater of the scene, of a temperature that no heater of the board's driver is set to, where the
 /// bench sets one.
-pub fn suit(jobs: &[Job], bench: &Bench, sink: &mut Sink) {
+pub fn warn_of_unset_heaters(jobs: &[Job], bench: &Bench, sink: &mut Sink) {
     let drivers = bench.instruments.iter().filter_map(|(name, instrument)| match &instrument.facts {
         InstrumentFacts::ElectrodeDriver(facts) => Some((name.as_str(), facts)),
         InstrumentFacts::WaveformGenerator(_)

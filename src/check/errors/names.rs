@@ -184,8 +184,8 @@ pub fn declared_twice(name: &str, span: Span, earlier: Span) -> Diagnostic {
         .help("a name may be declared only once in a file, inner blocks included")
 }
 
-pub fn kept_name(name: &Ident, keeper: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0203, format!("`{}` is reserved: it names {keeper}", name.text))
+pub fn reserved_name(name: &Ident, reserved_as: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0203, format!("`{}` is reserved: it names {reserved_as}", name.text))
         .label(name.span, "cannot be declared")
         .help(format!("choose another name, as `my_{}`", name.text))
 }
@@ -239,8 +239,8 @@ pub fn file_without_name(span: Span, path: &str, stem: &str) -> Diagnostic {
         .help(format!("give it a name: `use \"{path}\" as my_{name}`"))
 }
 
-pub fn kept_file_name(span: Span, name: &str, keeper: &str) -> Diagnostic {
-    Diagnostic::new(Code::E0203, format!("`{name}` is reserved: it names {keeper}"))
+pub fn reserved_file_name(span: Span, name: &str, reserved_as: &str) -> Diagnostic {
+    Diagnostic::new(Code::E0203, format!("`{name}` is reserved: it names {reserved_as}"))
         .label(span, "cannot name a file")
         .help(format!("give the file another name: `as my_{name}`"))
 }

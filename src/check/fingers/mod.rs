@@ -1,11 +1,11 @@
 //! Checks of multi-finger hands: whether a hand is possible, whether it can turn a part, and whether the steps of its
 //! tasks are possible.
 
-mod bench;
 mod errors;
 mod facts;
 mod orientation;
 mod part;
+mod scene;
 mod step;
 mod steps;
 mod walk;
@@ -42,8 +42,8 @@ impl KindChecks for FingersChecks {
         facts::facts(device, sink).map(|facts| KindFacts::Fingers(Arc::new(facts)))
     }
 
-    fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
-        walk::hands_agree(jobs, sink);
+    fn check_continuity(&self, jobs: &mut [Job], sink: &mut Sink) {
+        walk::check_hands(jobs, sink);
     }
 }
 

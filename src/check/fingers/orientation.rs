@@ -11,7 +11,7 @@ use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// Greatest number of decompositions of one step that a plan chooses from.
-pub const MAX_WAYS: usize = 48;
+pub const MAX_DECOMPOSITIONS: usize = 48;
 
 /// Sine of the middle angle below which the first and the last turn share their axis, so that only one of them is left.
 const FLAT: f64 = 1e-9;
@@ -36,7 +36,7 @@ pub fn after(turns: &[FingersTurn], part: &HandPart) -> Orientation {
 
 /// A decomposition into turns that reaches an orientation, and its error.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TurnsToOrientation {
+pub struct TurnSequence {
     pub turns: Vec<FingersTurn>,
     pub off_rad: f64,
 }
@@ -51,15 +51,15 @@ const FULL_SLACK: f64 = 1e-2;
 /// The decompositions into up to three turns of whole steps in alternating planes that come near a relative
 /// orientation: both solutions of its angles, with either plane first, each angle in either direction, and by the
 /// nearest number of steps or the next one. Without duplicates, sorted by total turning, the least first.
-pub fn ways(goal: &Orientation, part: &HandPart) -> Vec<TurnsToOrientation> {
-    let mut found: Vec<TurnsToOrientation> = Vec::new();
+pub fn decompositions(goal: &Orientation, part: &HandPart) -> Vec<TurnSequence> {
+    let mut found: Vec<TurnSequence> = Vec::new();
     for first in Plane::ALL {
-        for angles in decompositions(goal, first) {
+        for angles in euler_angles(goal, first) {
             for choice in 0..CHOICES {
                 let Some(turns) = whole_turns(angles, choice, first, part) else { continue };
-                if found.iter().all(|way| way.turns != turns) {
+                if found.iter().all(|sequence| sequence.turns != turns) {
                     let off_rad = after(&turns, part).angle_to(goal);
-                    found.push(TurnsToOrientation { turns, off_rad });
+                    found.push(TurnSequence { turns, off_rad });
                 }
             }
         }
@@ -68,14 +68,14 @@ pub fn ways(goal: &Orientation, part: &HandPart) -> Vec<TurnsToOrientation> {
     found
 }
 
-fn effort(way: &TurnsToOrientation, part: &HandPart) -> f64 {
+fn effort(sequence: &TurnSequence, part: &HandPart) -> f64 {
     let step = |plane| part.section(plane).map_or(0.0, |section| section.step_rad);
-    way.turns.iter().map(|turn| f64::from(turn.steps.abs()) * step(turn.plane)).sum()
+    sequence.turns.iter().map(|turn| f64::from(turn.steps.abs()) * step(turn.plane)).sum()
 }
 
 /// The angles of three turns, the first and the last in one plane, the middle one in the other: one entry for each
 /// solution.
-fn decompositions(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
+fn euler_angles(goal: &Orientation, first: Plane) -> Vec<[f64; 3]> {
     // z, y, z in these coordinates is y, z, y in the part's own: x reversed, y and z exchanged.
     let swap = match first {
         Plane::Xy => UnitQuaternion::identity(),

@@ -31,7 +31,12 @@ pub struct TurnDemand {
 
 /// The `step` nearest to a hand's own, in degrees, with which a part is turned as wanted to within a precision; those
 /// of whole degrees come first. `None` where there is none, or none of those that were tried.
-pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, demand: &TurnDemand) -> Option<f64> {
+pub fn nearest_fitting_step(
+    part: &HandPart,
+    facts: &FingersFacts,
+    wanted: &WantedTurn,
+    demand: &TurnDemand,
+) -> Option<f64> {
     let TurnDemand { precision_rad, is_loaded } = *demand;
     let curves = [Some(&part.xy), part.xz.as_ref()].map(|section| Curve::of(&section?.outline).ok());
     let now = f64::from(facts.steps_per_turn);
@@ -75,7 +80,7 @@ pub fn mending(part: &HandPart, facts: &FingersFacts, wanted: &WantedTurn, deman
         WantedTurn::Orientation(goal, turns) => candidates
             .filter(|(part, _)| are_whole(part, turns))
             .take(MAX_TRIED)
-            .filter(|(part, _)| orientation::ways(goal, part).iter().any(|way| way.off_rad <= precision_rad))
+            .filter(|(part, _)| orientation::decompositions(goal, part).iter().any(|way| way.off_rad <= precision_rad))
             .find(keeps_junction),
     };
     found.map(|(_, facts)| 360.0 / f64::from(facts.steps_per_turn))

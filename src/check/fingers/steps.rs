@@ -1,9 +1,9 @@
 //! Checks of the steps of a task that do not depend on the part's orientation at that time.
 
-use super::bench::HandScene;
 use super::errors;
 use super::orientation;
 use super::part::{self, JudgedPart, MAX_LOAD_UN};
+use super::scene::HandScene;
 use super::step;
 use crate::check::Checker;
 use crate::check::figures::Figures;
@@ -29,10 +29,10 @@ impl Checker<'_> {
     /// A task's body in the kind's own terms; `None` after an error. Orientations become turns when the runs of a
     /// schedule are walked.
     pub fn fingers_order(&mut self, site: &TaskSite, facts: &Arc<FingersFacts>, parts: Parts) -> Option<FingersOrder> {
-        let bench = self.bench(site, facts);
+        let hand_scene = self.hand_scene(site, facts);
         let scene = site.scene.as_ref().map(|(place, _)| self.named(*place).1);
-        let lying = the_part(&bench, &parts, scene, site, self.sink)?;
-        let judged = lying?;
+        let judged = the_part(&hand_scene, &parts, scene, site, self.sink)?;
+        let judged = judged?;
         let precision_rad = precision_rad(&parts, self.sink)?;
         let load_un = load_un(&parts, &judged, self.sink)?;
         let part = judged.part;
@@ -94,17 +94,21 @@ fn load_un(parts: &Parts, judged: &JudgedPart, sink: &mut Sink) -> Option<[f64; 
     Some(load_un)
 }
 
-type Lain = Option<JudgedPart>;
-
 /// The part of a task: the one that its steps name, or the only one of its scene. `None` after an error, `Some(None)`
 /// for a part with a fault.
-fn the_part(bench: &HandScene, parts: &Parts, scene: Option<Span>, site: &TaskSite, sink: &mut Sink) -> Option<Lain> {
+fn the_part(
+    hand_scene: &HandScene,
+    parts: &Parts,
+    scene: Option<Span>,
+    site: &TaskSite,
+    sink: &mut Sink,
+) -> Option<Option<JudgedPart>> {
     let mut first: Option<(&str, Span)> = None;
     for call in calls(parts) {
         let Some(argument) = &call.object else { continue };
         let Value::Object(object) = &argument.value else { return None };
-        if !bench.parts.contains_key(&object.name) {
-            let known = bench.parts.keys().map(String::as_str);
+        if !hand_scene.parts.contains_key(&object.name) {
+            let known = hand_scene.parts.keys().map(String::as_str);
             let near = nearest(&object.name, known);
             let wrong = errors::unknown_object(argument.span, object, near, scene);
             sink.push(errors::given_at(wrong, argument));
@@ -119,20 +123,20 @@ fn the_part(bench: &HandScene, parts: &Parts, scene: Option<Span>, site: &TaskSi
             None => first = Some((&object.name, argument.span)),
         }
     }
-    let name = match (first, bench.parts.len()) {
+    let name = match (first, hand_scene.parts.len()) {
         (Some((name, _)), _) => name,
-        (None, 1) => bench.parts.keys().next()?,
+        (None, 1) => hand_scene.parts.keys().next()?,
         (None, 0) => {
             sink.push(errors::no_part(scene.unwrap_or(site.device.span)));
             return None;
         }
         (None, _) => {
-            let known: Vec<&str> = bench.parts.keys().map(String::as_str).collect();
+            let known: Vec<&str> = hand_scene.parts.keys().map(String::as_str).collect();
             sink.push(errors::which_part(parts.steps.first().map_or(site.device.span, |step| step.span), &known));
             return None;
         }
     };
-    bench.parts.get(name).map(|lying| lying.judged.clone())
+    hand_scene.parts.get(name).map(|part| part.judged.clone())
 }
 
 fn calls(parts: &Parts) -> impl Iterator<Item = &Call> {
@@ -248,7 +252,8 @@ impl HandStepJudge<'_> {
         let steps = ((asked_rad / section.step_rad).round() as i32).clamp(-most, most);
         if (f64::from(steps) * section.step_rad - asked_rad).abs() > self.precision_rad * (1.0 + 1e-9) {
             let demand = step::TurnDemand { precision_rad: self.precision_rad, is_loaded: self.is_loaded };
-            let mend = step::mending(self.part, self.facts, &step::WantedTurn::Turns(&self.turns), &demand);
+            let mend =
+                step::nearest_fitting_step(self.part, self.facts, &step::WantedTurn::Turns(&self.turns), &demand);
             let wrong = errors::no_whole_steps(by.span, asked_rad, section.step_rad, self.precision_rad, mend);
             return self.wrong(wrong, by);
         }

@@ -5,7 +5,7 @@
 //! orientation, each of them may have been taken, and the following checks hold after every one.
 
 use super::errors;
-use super::orientation::{self, MAX_WAYS, Orientation};
+use super::orientation::{self, MAX_DECOMPOSITIONS, Orientation};
 use super::part;
 use super::step;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn, HandPart};
@@ -38,7 +38,7 @@ pub fn relative(goal: Orientation) -> FingersAction {
 const MAX_PRECISIONS: usize = 8;
 
 /// Checks the demands of a schedule on each hand and its part, run after run.
-pub fn hands_agree(jobs: &mut [Job], sink: &mut Sink) {
+pub fn check_hands(jobs: &mut [Job], sink: &mut Sink) {
     // Behind a missed orientation others may be missed by more, so the runs are walked again with larger precisions.
     if !jobs.iter().any(|job| matches!(job.order, Order::Fingers(_))) {
         return;
@@ -117,7 +117,7 @@ struct HandWalk {
 }
 
 /// The decompositions of an orientation, and the fewest steps of those that were left out, if any.
-type Ways = (Vec<Vec<FingersTurn>>, Option<u32>);
+type Decompositions = (Vec<Vec<FingersTurn>>, Option<u32>);
 
 impl HandWalk {
     fn of(order: &FingersOrder) -> HandWalk {
@@ -144,7 +144,7 @@ impl HandWalk {
             FingersAction::Wait(_) => {}
             FingersAction::Grasp(_) => self.hold = PartHold::Held,
             FingersAction::Rotate { plane, steps, .. } => {
-                self.looks_at_few(*plane, at, order)?;
+                self.check_grasp_count(*plane, at, order)?;
                 self.rotate(FingersTurn { plane: *plane, steps: *steps }, at)?;
             }
             FingersAction::Orient { goal, turns, left_out_steps } => {
@@ -171,7 +171,7 @@ impl HandWalk {
 
     /// Checks that the grasps of a turn are few enough to be searched: under a load in the plane they differ from angle
     /// to angle.
-    fn looks_at_few(&self, plane: Plane, at: Span, order: &FingersOrder) -> Diagnosed {
+    fn check_grasp_count(&self, plane: Plane, at: Span, order: &FingersOrder) -> Diagnosed {
         let Some(section) = self.part.section(plane) else { return Ok(()) };
         let load_un = Vector3::from(order.load_un);
         if !self.reached.iter().all(|from| part::is_in_plane(from.inverse() * load_un, plane)) {
@@ -205,20 +205,20 @@ impl HandWalk {
         goal: &Orientation,
         at: Span,
         order: &FingersOrder,
-    ) -> Diagnosed<Ways> {
+    ) -> Diagnosed<Decompositions> {
         let precision_rad = order.precision_rad;
-        let mut ways = orientation::ways(&(self.reached[0].inverse() * goal), &self.part);
-        if ways.is_empty() {
+        let mut sequences = orientation::decompositions(&(self.reached[0].inverse() * goal), &self.part);
+        if sequences.is_empty() {
             return Err(Box::new(errors::flat_part(at, &self.part.name, "not to this orientation", self.part.span)));
         }
-        for way in &mut ways {
-            let by = orientation::after(&way.turns, &self.part);
-            way.off_rad = self.reached.iter().map(|reached| (reached * by).angle_to(goal)).fold(0.0, f64::max);
+        for sequence in &mut sequences {
+            let by = orientation::after(&sequence.turns, &self.part);
+            sequence.off_rad = self.reached.iter().map(|reached| (reached * by).angle_to(goal)).fold(0.0, f64::max);
         }
-        let best_rad = ways.iter().map(|way| way.off_rad).fold(f64::INFINITY, f64::min);
-        ways.retain(|way| way.off_rad <= precision_rad);
-        if ways.is_empty() {
-            let step_deg = self.mending(asked, goal, order);
+        let best_rad = sequences.iter().map(|sequence| sequence.off_rad).fold(f64::INFINITY, f64::min);
+        sequences.retain(|sequence| sequence.off_rad <= precision_rad);
+        if sequences.is_empty() {
+            let step_deg = self.fitting_step(asked, goal, order);
             self.missed_rad = Some(best_rad);
             let mend = errors::OrientationMend { step_deg, needed_rad: self.needed_rad.unwrap_or(best_rad) };
             return Err(Box::new(errors::orientation_missed(at, asked, best_rad, precision_rad, &mend)));
@@ -227,23 +227,24 @@ impl HandWalk {
             let planes = |turns: &[FingersTurn]| {
                 turns.iter().map(|turn| turn.plane).chain(self.planes.iter().copied()).collect()
             };
-            ways.retain(|way| BTreeSet::<Plane>::len(&planes(&way.turns)) <= 1);
-            if ways.is_empty() {
+            sequences.retain(|sequence| BTreeSet::<Plane>::len(&planes(&sequence.turns)) <= 1);
+            if sequences.is_empty() {
                 return Err(Box::new(errors::no_junction(at, &self.part.name, why, self.part.span)));
             }
         }
-        let most = MAX_WAYS.min((MAX_REACHED / self.reached.len()).max(1));
-        let steps =
-            |way: &orientation::TurnsToOrientation| way.turns.iter().map(|turn| turn.steps.unsigned_abs()).sum::<u32>();
-        let left_out_steps = ways.iter().skip(most).map(steps).min();
-        ways.truncate(most);
-        self.take(&ways);
-        Ok((ways.into_iter().map(|way| way.turns).collect(), left_out_steps))
+        let most = MAX_DECOMPOSITIONS.min((MAX_REACHED / self.reached.len()).max(1));
+        let steps = |sequence: &orientation::TurnSequence| {
+            sequence.turns.iter().map(|turn| turn.steps.unsigned_abs()).sum::<u32>()
+        };
+        let left_out_steps = sequences.iter().skip(most).map(steps).min();
+        sequences.truncate(most);
+        self.take(&sequences);
+        Ok((sequences.into_iter().map(|sequence| sequence.turns).collect(), left_out_steps))
     }
 
     /// A `step` of the device with which an orientation is reached. It is sought only where the turns before do not
     /// matter: the part is not turned yet, or the goal is relative to its present orientation.
-    fn mending(&self, asked: errors::AskedTurn, goal: &Orientation, order: &FingersOrder) -> Option<f64> {
+    fn fitting_step(&self, asked: errors::AskedTurn, goal: &Orientation, order: &FingersOrder) -> Option<f64> {
         let [reached] = self.reached.as_slice() else { return None };
         let is_known = asked == errors::AskedTurn::TurnAboutX || reached.angle() < SAME_RAD;
         let turns: Vec<(Plane, f64)> = order
@@ -261,19 +262,19 @@ impl HandWalk {
         let wanted = step::WantedTurn::Orientation(&(reached.inverse() * goal), &turns);
         let is_loaded = order.load_un.iter().any(|force_un| *force_un != 0.0);
         let demand = step::TurnDemand { precision_rad: order.precision_rad, is_loaded };
-        is_known.then(|| step::mending(&self.part, &order.facts, &wanted, &demand)).flatten()
+        is_known.then(|| step::nearest_fitting_step(&self.part, &order.facts, &wanted, &demand)).flatten()
     }
 
     /// Updates the state after a step for which any one of several decompositions may be taken.
-    fn take(&mut self, ways: &[orientation::TurnsToOrientation]) {
+    fn take(&mut self, sequences: &[orientation::TurnSequence]) {
         let before = std::mem::take(&mut self.planes);
         let mut reached: Vec<Orientation> = Vec::new();
-        for way in ways {
-            match way.turns.last() {
+        for sequence in sequences {
+            match sequence.turns.last() {
                 Some(turn) => drop(self.planes.insert(turn.plane)),
                 None => self.planes.extend(&before),
             }
-            let by = orientation::after(&way.turns, &self.part);
+            let by = orientation::after(&sequence.turns, &self.part);
             for now in self.reached.iter().map(|from| from * by) {
                 if reached.iter().all(|known| known.angle_to(&now) > SAME_RAD) {
                     reached.push(now);

@@ -48,8 +48,8 @@ impl KindChecks for MicrorobotsChecks {
         facts::bed(device, sink).map(|bed| KindFacts::Microrobots(Rc::new(bed)))
     }
 
-    fn agree(&self, jobs: &mut [Job], sink: &mut Sink) {
-        walk::beds_agree(jobs, sink);
+    fn check_continuity(&self, jobs: &mut [Job], sink: &mut Sink) {
+        walk::check_beds(jobs, sink);
     }
 }
 

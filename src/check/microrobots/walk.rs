@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Checks the demands of a schedule on docked robots.
-pub fn beds_agree(jobs: &[Job], sink: &mut Sink) {
+pub fn check_beds(jobs: &[Job], sink: &mut Sink) {
     let mut beds: BTreeMap<&str, BedWalk> = BTreeMap::new();
     for job in jobs {
         let Some(order) = MicrorobotsOrder::of(&job.order) else { continue };
@@ -27,7 +27,7 @@ pub fn beds_agree(jobs: &[Job], sink: &mut Sink) {
             sink.push(errors::unlike_robots(job.run_span, &job.device, name));
             return;
         }
-        walk.furnish(job, order).into_iter().for_each(|wrong| sink.push(wrong));
+        walk.enter_scene(job, order).into_iter().for_each(|wrong| sink.push(wrong));
         for step in &order.steps {
             let run = if job.run_span == job.span { step.span } else { job.run_span };
             for diagnostic in walk.advance(&step.action, step.span, order) {
@@ -76,7 +76,7 @@ impl BedWalk {
     }
 
     /// Takes over the obstacles of another scene; a docked robot must not lie on one.
-    fn furnish(&mut self, job: &Job, order: &MicrorobotsOrder) -> Option<Diagnostic> {
+    fn enter_scene(&mut self, job: &Job, order: &MicrorobotsOrder) -> Option<Diagnostic> {
         if Arc::ptr_eq(&self.obstacles, &order.obstacles) {
             return None;
         }

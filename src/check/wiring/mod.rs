@@ -95,46 +95,46 @@ impl WiredOwner {
 
     fn has_channel(&self, name: &str) -> bool {
         match self {
-            WiredOwner::Device(facts) => facts.asked().has_channel(name),
+            WiredOwner::Device(facts) => facts.as_checked_facts().has_channel(name),
             WiredOwner::AuxiliaryOutput => name == AuxiliarySort::CHANNEL,
         }
     }
 
     fn shared_channel(&self, name: &str) -> Option<String> {
         match self {
-            WiredOwner::Device(facts) => facts.asked().shared_channel(name),
+            WiredOwner::Device(facts) => facts.as_checked_facts().shared_channel(name),
             WiredOwner::AuxiliaryOutput => None,
         }
     }
 
     fn channel_examples(&self) -> Vec<String> {
         match self {
-            WiredOwner::Device(facts) => facts.asked().channel_examples(),
+            WiredOwner::Device(facts) => facts.as_checked_facts().channel_examples(),
             WiredOwner::AuxiliaryOutput => vec![AuxiliarySort::CHANNEL.to_owned()],
         }
     }
 
     fn channels(&self) -> Vec<String> {
         match self {
-            WiredOwner::Device(facts) => facts.asked().all_channels(),
+            WiredOwner::Device(facts) => facts.as_checked_facts().all_channels(),
             WiredOwner::AuxiliaryOutput => self.channel_examples(),
         }
     }
 
     fn moves_stages(&self) -> bool {
-        matches!(self, WiredOwner::Device(facts) if facts.asked().moves_stages())
+        matches!(self, WiredOwner::Device(facts) if facts.as_checked_facts().moves_stages())
     }
 
     fn numbered_channels(&self) -> Option<NumberedChannels> {
         match self {
-            WiredOwner::Device(facts) => facts.asked().numbered_channels(),
+            WiredOwner::Device(facts) => facts.as_checked_facts().numbered_channels(),
             WiredOwner::AuxiliaryOutput => None,
         }
     }
 }
 
 /// The wires of one device or auxiliary output while they are being read, with their places.
-struct Panel {
+struct WiringDraft {
     /// Where it is declared.
     place: DeclarationPlace,
     name: String,
@@ -172,16 +172,16 @@ impl<'a> Checker<'a> {
             for item in &file.tree.items {
                 let Item::Wiring(item) = item else { continue };
                 let mut scope = Scope::top(module);
-                let Some(mut panel) = self.panel(item, &scope) else { continue };
-                if let Some(earlier) = wirings.insert(panel.place, item.device.span) {
-                    self.sink.push(errors::wired_twice(&panel.name, item.device.span, earlier));
+                let Some(mut draft) = self.wiring_draft(item, &scope) else { continue };
+                if let Some(earlier) = wirings.insert(draft.place, item.device.span) {
+                    self.sink.push(errors::wired_twice(&draft.name, item.device.span, earlier));
                 }
-                self.wiring_entries(&item.entries, &mut scope, &mut panel, &mut outputs);
-                self.spread_channels(&item.entries, &scope, &mut panel, &mut outputs);
-                self.warn_of_idle_fields(&panel);
+                self.wiring_entries(&item.entries, &mut scope, &mut draft, &mut outputs);
+                self.spread_channels(&item.entries, &scope, &mut draft, &mut outputs);
+                self.warn_of_idle_fields(&draft);
                 let named =
-                    panel.wired.into_iter().map(|(channel, wired)| (format!("{}.{channel}", panel.name), wired));
-                wiring.wires.entry(panel.place).or_default().extend(named);
+                    draft.wired.into_iter().map(|(channel, wired)| (format!("{}.{channel}", draft.name), wired));
+                wiring.wires.entry(draft.place).or_default().extend(named);
             }
         }
         let instruments = outputs.instruments.into_iter();
@@ -189,7 +189,7 @@ impl<'a> Checker<'a> {
         wiring
     }
 
-    fn panel(&mut self, item: &tree::Wiring, scope: &Scope) -> Option<Panel> {
+    fn wiring_draft(&mut self, item: &tree::Wiring, scope: &Scope) -> Option<WiringDraft> {
         let named = self.find(&item.device, scope).map(|(place, _)| self.declaration(place).sort);
         let sort = named.filter(|sort| *sort == DeclarationSort::Output).unwrap_or(DeclarationSort::Device);
         let place = self.resolve(&item.device, scope, sort)?;
@@ -214,27 +214,33 @@ impl<'a> Checker<'a> {
         }
         let wires = Owner { name: format!("the wires of `{name}`"), declared: None };
         let defaults = self.read_fields(&wires, &given, ANY_WIRE);
-        Some(Panel { place, name, owner, defaults, taken: BTreeSet::new(), wired: BTreeMap::new() })
+        Some(WiringDraft { place, name, owner, defaults, taken: BTreeSet::new(), wired: BTreeMap::new() })
     }
 
     /// Warns of default fields that apply to no wire: a limit that limits nothing is no protection.
-    fn warn_of_idle_fields(&mut self, panel: &Panel) {
-        let idle = panel.defaults.iter().filter(|(name, _)| !panel.wired.is_empty() && !panel.taken.contains(*name));
+    fn warn_of_idle_fields(&mut self, draft: &WiringDraft) {
+        let idle = draft.defaults.iter().filter(|(name, _)| !draft.wired.is_empty() && !draft.taken.contains(*name));
         for (name, field) in idle {
-            self.sink.push(errors::idle_wire_field(field.span, &panel.name, name));
+            self.sink.push(errors::idle_wire_field(field.span, &draft.name, name));
         }
     }
 
-    fn wiring_entries(&mut self, entries: &[WiringEntry], scope: &mut Scope, panel: &mut Panel, outputs: &mut Outputs) {
+    fn wiring_entries(
+        &mut self,
+        entries: &[WiringEntry],
+        scope: &mut Scope,
+        draft: &mut WiringDraft,
+        outputs: &mut Outputs,
+    ) {
         for entry in entries {
             match entry {
                 // Read later: they take the outputs that all other wires leave.
                 WiringEntry::Wire(wire) if scope.is_top() && spread::is_of_all(wire) => {}
                 WiringEntry::Wire(wire) => {
-                    self.wire(wire, scope, panel, outputs);
+                    self.wire(wire, scope, draft, outputs);
                 }
                 WiringEntry::For(each) => self.repeat(each, scope, &mut |checker, scope| {
-                    checker.wiring_entries(&each.entries, scope, panel, outputs);
+                    checker.wiring_entries(&each.entries, scope, draft, outputs);
                 }),
                 WiringEntry::Field(field) if !scope.is_top() => {
                     self.sink.push(errors::wire_field_in_loop(&field.name));
@@ -244,7 +250,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    fn wire(&mut self, wire: &tree::Wire, scope: &Scope, panel: &mut Panel, outputs: &mut Outputs) -> Option<()> {
+    fn wire(&mut self, wire: &tree::Wire, scope: &Scope, draft: &mut WiringDraft, outputs: &mut Outputs) -> Option<()> {
         let first = self.modules[scope.module].names.get(&wire.channel.segments[0].name.text);
         if let WireOutput::Instrument(path) = &wire.output
             && first.is_some_and(|first| first.sort == DeclarationSort::Instrument)
@@ -255,15 +261,15 @@ impl<'a> Checker<'a> {
         let channel = self.channel_name(&wire.channel.segments, scope);
         if channel.as_deref() == Some(ALL_ELECTRODES)
             && let WireOutput::Instrument(path) = &wire.output
-            && let Some(board) = panel.owner.as_ref().and_then(WiredOwner::numbered_channels)
+            && let Some(board) = draft.owner.as_ref().and_then(WiredOwner::numbered_channels)
         {
-            return self.board_wire(wire, path, scope, &board, panel, outputs);
+            return self.board_wire(wire, path, scope, &board, draft, outputs);
         }
         // A board without facts was reported.
-        if channel.as_deref() == Some(ALL_ELECTRODES) && panel.owner.is_none() {
+        if channel.as_deref() == Some(ALL_ELECTRODES) && draft.owner.is_none() {
             return None;
         }
-        let is_stage = panel.owner.as_ref().map(WiredOwner::moves_stages);
+        let is_stage = draft.owner.as_ref().map(WiredOwner::moves_stages);
         let (span, output, drive) = match &wire.output {
             WireOutput::Named(text) => {
                 if let Some(field) = wire.fields.first() {
@@ -276,32 +282,32 @@ impl<'a> Checker<'a> {
                 let name = format!("{}.{}", named.instrument, named.output);
                 let (link, limits) = match named.is_accessory {
                     true => {
-                        (self.accessory_link(&name, wire, channel.as_deref()?, scope, panel)?, StageLimits::default())
+                        (self.accessory_link(&name, wire, channel.as_deref()?, scope, draft)?, StageLimits::default())
                     }
-                    false => self.link(&name, &wire.fields, scope, named.link, wire.span, panel)?,
+                    false => self.link(&name, &wire.fields, scope, named.link, wire.span, draft)?,
                 };
                 let NamedOutput { instrument, output, .. } = named;
                 (path.span, name, Some(Drive { instrument, output, link, limits, span: wire.span }))
             }
         };
         let channel = channel?;
-        let owner = panel.owner.as_ref()?;
+        let owner = draft.owner.as_ref()?;
         if !owner.has_channel(&channel) {
             if let Some(first) = owner.shared_channel(&channel) {
                 self.sink.push(errors::wire_of_shared_channel(wire.channel.span, &channel, &first));
                 return None;
             }
-            let (known, name) = (owner.channel_examples(), format!("{} `{}`", owner.sort().name(), panel.name));
+            let (known, name) = (owner.channel_examples(), format!("{} `{}`", owner.sort().name(), draft.name));
             self.sink.push(errors::unknown_channel(wire.channel.span, &name, &channel, &known));
             return None;
         }
-        if let Some(earlier) = panel.wired.get(&channel) {
+        if let Some(earlier) = draft.wired.get(&channel) {
             self.sink.push(errors::channel_wired_twice(&channel, wire.channel.span, earlier.span));
         }
         if let Some(earlier) = outputs.used.insert(output.clone(), span) {
             self.sink.push(errors::output_used_twice(&output, span, earlier));
         }
-        panel.wired.insert(channel, Wired { output, drive, span: wire.channel.span });
+        draft.wired.insert(channel, Wired { output, drive, span: wire.channel.span });
         Some(())
     }
 
@@ -378,7 +384,7 @@ impl<'a> Checker<'a> {
         path: &tree::Path,
         scope: &Scope,
         board: &NumberedChannels,
-        panel: &mut Panel,
+        draft: &mut WiringDraft,
         outputs: &mut Outputs,
     ) -> Option<()> {
         let (place, words) = self.instrument_of(path, scope)?;
@@ -394,7 +400,7 @@ impl<'a> Checker<'a> {
         } else if let Some((channel, number)) = lacks {
             Some(errors::channel_beyond_driver(path.span, name, declared, channel, *number, &known))
         } else if board.channels.is_empty() {
-            Some(errors::electrodes_without_numbers(wire.channel.span, &panel.name))
+            Some(errors::electrodes_without_numbers(wire.channel.span, &draft.name))
         } else {
             None
         };
@@ -410,7 +416,7 @@ impl<'a> Checker<'a> {
             let limits = StageLimits::default();
             let drive = Drive { instrument: name.clone(), output: output.clone(), link, limits, span: wire.span };
             let output = format!("{name}.{output}");
-            if let Some(earlier) = panel.wired.get(channel) {
+            if let Some(earlier) = draft.wired.get(channel) {
                 self.sink.push(errors::channel_wired_twice(channel, wire.channel.span, earlier.span));
                 return None;
             }
@@ -418,7 +424,7 @@ impl<'a> Checker<'a> {
                 self.sink.push(errors::output_used_twice(&output, path.span, earlier));
                 return None;
             }
-            panel.wired.insert(channel.clone(), Wired { output, drive: Some(drive), span: wire.channel.span });
+            draft.wired.insert(channel.clone(), Wired { output, drive: Some(drive), span: wire.channel.span });
         }
         Some(())
     }
@@ -446,14 +452,14 @@ impl<'a> Checker<'a> {
         scope: &Scope,
         sort: LinkSort,
         span: Span,
-        panel: &mut Panel,
+        draft: &mut WiringDraft,
     ) -> Option<(Link, StageLimits)> {
         let owner = Owner { name: format!("the wire to `{output}`"), declared: None };
         let given = given_in(fields, scope);
         let mut accepted = self.read_fields(&owner, &given, sort.fields());
         for field in sort.fields() {
-            panel.taken.insert(field.name);
-            if let Some(value) = panel.defaults.get(field.name) {
+            draft.taken.insert(field.name);
+            if let Some(value) = draft.defaults.get(field.name) {
                 accepted.entry(field.name).or_insert_with(|| value.clone());
             }
         }
@@ -489,19 +495,19 @@ impl<'a> Checker<'a> {
         wire: &tree::Wire,
         channel: &str,
         scope: &Scope,
-        panel: &Panel,
+        draft: &WiringDraft,
     ) -> Option<Link> {
-        if let WiredOwner::Device(_) = panel.owner.as_ref()? {
+        if let WiredOwner::Device(_) = draft.owner.as_ref()? {
             self.sink.push(errors::channel_to_accessory(wire.channel.span, channel, name));
             return None;
         }
         let owner = Owner { name: format!("the wire to `{name}`"), declared: None };
         let given = given_in(&wire.fields, scope);
         self.read_fields(&owner, &given, &[]);
-        let facts = self.facts::<AuxiliarySort>(panel.place)?;
-        let declared = self.named(panel.place).1;
+        let facts = self.facts::<AuxiliarySort>(draft.place)?;
+        let declared = self.named(draft.place).1;
         self.sink
-            .unless(facts.is_graded.then(|| errors::share_of_accessory(wire.span, &panel.name, declared, name)))?;
+            .unless(facts.is_graded.then(|| errors::share_of_accessory(wire.span, &draft.name, declared, name)))?;
         Some(Link::Switch { on_v: facts.high_v })
     }
 

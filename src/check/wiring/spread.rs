@@ -1,7 +1,7 @@
 //! `all -> card`: wires every channel that has no wire of its own to the next free outputs of one instrument after the
 //! other.
 
-use super::{Outputs, Panel, Wired};
+use super::{Outputs, Wired, WiringDraft};
 use crate::check::Checker;
 use crate::check::errors;
 use crate::check::scope::Scope;
@@ -25,7 +25,7 @@ impl Checker<'_> {
         &mut self,
         entries: &[WiringEntry],
         scope: &Scope,
-        panel: &mut Panel,
+        draft: &mut WiringDraft,
         outputs: &mut Outputs,
     ) {
         let wires = entries.iter().filter_map(|entry| match entry {
@@ -33,25 +33,25 @@ impl Checker<'_> {
             WiringEntry::Wire(_) | WiringEntry::For(_) | WiringEntry::Field(_) | WiringEntry::Error(_) => None,
         });
         let wires: Vec<&tree::Wire> = wires.collect();
-        let (Some(last), Some(owner)) = (wires.last(), &panel.owner) else { return };
+        let (Some(last), Some(owner)) = (wires.last(), &draft.owner) else { return };
         let mut left = owner.channels();
-        left.retain(|channel| !panel.wired.contains_key(channel));
+        left.retain(|channel| !draft.wired.contains_key(channel));
         let total = left.len();
         let mut by_lines = false;
         for wire in &wires {
-            let Some(takes_lines) = self.fill(wire, scope, panel, &mut left, outputs) else { return };
+            let Some(takes_lines) = self.fill(wire, scope, draft, &mut left, outputs) else { return };
             by_lines = takes_lines;
         }
         if let Some(first) = left.first() {
-            let wrong = errors::channels_left_over(last.span, &panel.name, first, [left.len(), total], by_lines);
+            let wrong = errors::channels_left_over(last.span, &draft.name, first, [left.len(), total], by_lines);
             self.sink.push(wrong);
         }
     }
 
     /// Whether some of the remaining channels are numbered, which is reported: the numbers are those of the driver's
     /// outputs, but wired in order the channels would go to others.
-    fn is_numbered(&mut self, wire: &tree::Wire, panel: &Panel, left: &[String], instrument: &str) -> bool {
-        let numbered = panel.owner.as_ref().and_then(|owner| owner.numbered_channels());
+    fn is_numbered(&mut self, wire: &tree::Wire, draft: &WiringDraft, left: &[String], instrument: &str) -> bool {
+        let numbered = draft.owner.as_ref().and_then(|owner| owner.numbered_channels());
         let is_left = |(channel, _): &&(String, u32)| left.contains(channel);
         let found = numbered.as_ref().and_then(|numbered| numbered.channels.iter().find(is_left));
         let Some((channel, number)) = found else { return false };
@@ -65,7 +65,7 @@ impl Checker<'_> {
         &mut self,
         wire: &tree::Wire,
         scope: &Scope,
-        panel: &mut Panel,
+        draft: &mut WiringDraft,
         left: &mut Vec<String>,
         outputs: &mut Outputs,
     ) -> Option<bool> {
@@ -84,14 +84,14 @@ impl Checker<'_> {
             self.sink.push(errors::all_to_one_output(path.span, &name));
             return None;
         }
-        let is_stage = panel.owner.as_ref()?.moves_stages();
+        let is_stage = draft.owner.as_ref()?.moves_stages();
         let has_field = wire.fields.iter().any(|field| field.name.text == SWITCHES);
         let facts = &instrument.facts;
-        if facts.family() == Family::ElectrodeDriver && self.is_numbered(wire, panel, left, &name) {
+        if facts.family() == Family::ElectrodeDriver && self.is_numbered(wire, draft, left, &name) {
             return None;
         }
         let has_lines_only = facts.family() == Family::ElectrodeDriver;
-        let by_lines = has_field || panel.defaults.contains_key(SWITCHES) || has_lines_only;
+        let by_lines = has_field || draft.defaults.contains_key(SWITCHES) || has_lines_only;
         let fits = |output: &String| {
             let link = facts.output(output)?.link(is_stage)?;
             let is_free = !outputs.used.contains_key(&format!("{name}.{output}"));
@@ -103,13 +103,13 @@ impl Checker<'_> {
             self.sink.push(errors::nothing_free(path.span, &name, declared, by_lines));
             return None;
         };
-        let (link, limits) = self.link(&name, &wire.fields, scope, sort, wire.span, panel)?;
+        let (link, limits) = self.link(&name, &wire.fields, scope, sort, wire.span, draft)?;
         self.enlist(place, instrument, outputs)?;
         for (channel, (_, output)) in left.drain(..left.len().min(fitting.len())).zip(fitting) {
             let shown = format!("{name}.{output}");
             outputs.used.insert(shown.clone(), path.span);
             let drive = Drive { instrument: name.clone(), output, link, limits, span: wire.span };
-            panel.wired.insert(channel, Wired { output: shown, drive: Some(drive), span: wire.channel.span });
+            draft.wired.insert(channel, Wired { output: shown, drive: Some(drive), span: wire.channel.span });
         }
         Some(by_lines)
     }

@@ -5,7 +5,7 @@ use crate::check::DeclarationTally;
 use crate::claims::Order;
 use crate::compile::Compiled;
 use crate::emit::Format;
-use crate::schedule::cost::{cost, stretch};
+use crate::schedule::cost::{cost, work_in};
 use crate::schedule::reached::Reached;
 use crate::schedule::{PlanRecord, Schedule};
 use crate::verify::Verified;
@@ -77,7 +77,7 @@ fn steps(verified: &Verified) -> Value {
                 "column": column,
                 "start_ns": start_ns,
                 "duration_ns": duration_ns,
-                "takes": stretch(&job.order, plan, start_ns, start_ns + duration_ns),
+                "takes": work_in(&job.order, plan, start_ns, start_ns + duration_ns),
                 "reached": reached.iter().filter(|reached| reached.is_off()).map(value).collect::<Value>(),
             }));
         };

@@ -4,11 +4,12 @@
 
 use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder};
 use crate::device::dimibot::{LatticeCell, Side};
-use crate::emit::dimibot::course::{extent_um, jobs, last_cell, place, poses, stops, tiles_um};
+use crate::emit::dimibot::motion::{extent_um, jobs, last_cell, place, poses, stops, tiles_um};
 use crate::emit::svg::drawing::{
-    Anchor, Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, TEXT_PT, THIN_PT, WAY_PT, color, decimal,
+    Anchor, Drawing, HAIR_PT, PaperBox, PaperView, PlacedLabel, ShapeStyle, TEXT_PT, THIN_PT, TextStyle, WAY_PT, color,
+    decimal,
 };
-use crate::emit::svg::legend::{KeyForm, PanelKey};
+use crate::emit::svg::legend::{LegendSymbol, PanelLegend};
 use crate::emit::svg::scenery::{self, simplified};
 use crate::emit::svg::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes};
 use crate::emit::svg::{Panel, Pictured, Subject};
@@ -37,7 +38,7 @@ struct LatticeRobot<'a> {
     poses: Vec<(u64, [f64; 3])>,
     color: &'static str,
     /// Whether another robot is drawn in the same panel.
-    has_company: bool,
+    shares_panel: bool,
 }
 
 struct LatticePanel<'a> {
@@ -49,7 +50,7 @@ struct LatticePanel<'a> {
 
 impl Pictured for DimibotOrder {
     fn panels<'a>(&'a self, subject: Subject<'a>) -> Vec<Box<dyn Panel + 'a>> {
-        let devices = company(subject);
+        let devices = devices_in_scene(subject);
         if devices.first() != Some(&subject.device) {
             return Vec::new();
         }
@@ -58,7 +59,7 @@ impl Pictured for DimibotOrder {
             jobs: jobs(subject.verified, device),
             poses: poses(subject.verified, subject.signals, device),
             color: color::in_turn(index),
-            has_company: devices.len() > 1,
+            shares_panel: devices.len() > 1,
         };
         let robots: Vec<LatticeRobot> = devices.iter().enumerate().map(robot).collect();
         let strobes = strobes(&robots);
@@ -67,7 +68,7 @@ impl Pictured for DimibotOrder {
 }
 
 /// The devices that share a scene with the subject, itself included, in the order of their first jobs.
-fn company(subject: Subject<'_>) -> Vec<&str> {
+fn devices_in_scene(subject: Subject<'_>) -> Vec<&str> {
     let claims = subject.verified.claims();
     let Some(scene) = claims.shared.iter().find(|scene| scene.frames.contains_key(subject.device)) else {
         return vec![subject.device];
@@ -106,7 +107,7 @@ impl LatticeRobot<'_> {
 
     /// ` of left` if several robots share the panel, else nothing.
     fn of(&self) -> String {
-        if self.has_company { format!(" of {}", self.device) } else { String::new() }
+        if self.shares_panel { format!(" of {}", self.device) } else { String::new() }
     }
 
     /// A position in its own frame, converted to the scene.
@@ -160,21 +161,21 @@ impl Panel for LatticePanel<'_> {
         scenery::about(corners.flatten(), tips.fold(0.0, f64::max))
     }
 
-    fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelKey {
-        let mut key = PanelKey::default();
-        self.robots.iter().for_each(|robot| draw_lattice(robot, view, to, &mut key));
-        draw_obstacles(&self.robots, view, to, &mut key);
+    fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelLegend {
+        let mut legend = PanelLegend::default();
+        self.robots.iter().for_each(|robot| draw_lattice(robot, view, to, &mut legend));
+        draw_obstacles(&self.robots, view, to, &mut legend);
         for robot in &self.robots {
             match self.moment_ns {
-                Some(t_ns) => draw_moment(robot, t_ns, view, to, &mut key),
-                None => draw_strobes(robot, &self.strobes, view, to, &mut key),
+                Some(t_ns) => draw_moment(robot, t_ns, view, to, &mut legend),
+                None => draw_strobes(robot, &self.strobes, view, to, &mut legend),
             }
         }
         if self.moment_ns.is_none() {
-            key.under.push(self.strobes.times());
-            key.under.extend(self.strobes.note.clone());
+            legend.under.push(self.strobes.times());
+            legend.under.extend(self.strobes.note.clone());
         }
-        key
+        legend
     }
 
     fn draw_foot(&self, room: PaperBox, top_pt: f64, to: &mut Drawing) -> f64 {
@@ -187,12 +188,12 @@ impl Panel for LatticePanel<'_> {
     }
 }
 
-fn draw_lattice(robot: &LatticeRobot, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+fn draw_lattice(robot: &LatticeRobot, view: &PaperView, to: &mut Drawing, legend: &mut PanelLegend) {
     let Some(order) = robot.order() else { return };
     let facts = &order.facts;
     let [x, y] = extent_um(facts);
     let corners = [[0.0, 0.0], [x, 0.0], [x, y], [0.0, y]].map(|corner| robot.in_scene(corner));
-    to.shape(&view.all(corners), Ink::line(color::FAINT, HAIR_PT), &[]);
+    to.shape(&view.all(corners), ShapeStyle::line(color::FAINT, HAIR_PT), &[]);
     let strides = Side::BOTH.map(|side| {
         let apart_pt = facts.pitch_um(side) * view.scale;
         let wanted = (LATTICE_PT / apart_pt.max(f64::MIN_POSITIVE)).max(1.0);
@@ -210,10 +211,10 @@ fn draw_lattice(robot: &LatticeRobot, view: &PaperView, to: &mut Drawing, key: &
         [1, 1] => "lattice cell".to_owned(),
         [x, y] => format!("lattice cell, {} along x, {} along y", each(x), each(y)),
     };
-    key.add(KeyForm::Disc, Ink::filled(color::DOTS), text);
+    legend.add(LegendSymbol::Disc, ShapeStyle::filled(color::DOTS), text);
 }
 
-fn draw_obstacles(robots: &[LatticeRobot], view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+fn draw_obstacles(robots: &[LatticeRobot], view: &PaperView, to: &mut Drawing, legend: &mut PanelLegend) {
     // Robots share the obstacles of their scene: each is drawn once, with the largest growth.
     let mut obstacles: BTreeMap<&str, Vec<(&DimibotObstacle, &DimibotOrder)>> = BTreeMap::new();
     let mut growth_um: f64 = 0.0;
@@ -247,7 +248,7 @@ fn draw_obstacles(robots: &[LatticeRobot], view: &PaperView, to: &mut Drawing, k
             DimibotObstacleBody::Cells { from, to: last } => {
                 let ([x0, y0], [x1, y1]) = tiles_um(&order.facts, *from, *last);
                 let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|corner| order.in_scene_um(corner));
-                to.shape(&view.all(corners), Ink::filled(color::OBSTACLE), &[]);
+                to.shape(&view.all(corners), ShapeStyle::filled(color::OBSTACLE), &[]);
                 order.in_scene_um([(x0 + x1) / 2.0, (y0 + y1) / 2.0])
             }
         };
@@ -255,9 +256,9 @@ fn draw_obstacles(robots: &[LatticeRobot], view: &PaperView, to: &mut Drawing, k
             to.label(scenery::name(&obstacle.name, view.at(at)));
         }
     }
-    key.add(KeyForm::Box, Ink::filled(color::OBSTACLE), scenery::obstacles_text(all.len(), drawn.len()));
+    legend.add(LegendSymbol::Box, ShapeStyle::filled(color::OBSTACLE), scenery::obstacles_text(all.len(), drawn.len()));
     if !solids.is_empty() {
-        key.add(KeyForm::Box, Ink::filled(color::GROWN), "kept free for tip radius and repeatability");
+        legend.add(LegendSymbol::Box, ShapeStyle::filled(color::GROWN), "kept free for tip radius and repeatability");
     }
 }
 
@@ -267,34 +268,34 @@ fn draw_stops(
     named: &BTreeMap<[u32; 2], String>,
     view: &PaperView,
     to: &mut Drawing,
-    key: &mut PanelKey,
+    legend: &mut PanelLegend,
 ) {
     let mut met = BTreeSet::new();
     for (order, _) in &robot.jobs {
         for cell in stops(order).into_iter().filter(|cell| met.insert(cell.pair())).take(MAX_STOPS) {
             let at = view.at(robot.in_scene(order.facts.place_um(cell)));
-            to.disc(at, 4.0, Ink::line(color::STOP, 1.0), &[("stop", format!("{} {}", cell.x, cell.y))]);
+            to.disc(at, 4.0, ShapeStyle::line(color::STOP, 1.0), &[("stop", format!("{} {}", cell.x, cell.y))]);
             to.mark(PaperBox::about(at, 4.0));
             let text = match named.get(&cell.pair()) {
                 Some(numbers) => format!("{numbers} {cell}"),
                 None => cell.to_string(),
             };
-            let letters = Letters::SMALL.bold().colored(color::STOP);
-            to.label(PlacedLabel { text, letters, at, radius_pt: 4.0, may_cover: false });
+            let text_style = TextStyle::SMALL.bold().colored(color::STOP);
+            to.label(PlacedLabel { text, text_style, at, radius_pt: 4.0, may_cover: false });
         }
     }
     if !met.is_empty() {
-        key.add(KeyForm::Disc, Ink::line(color::STOP, 1.0), "stop, with its cell");
+        legend.add(LegendSymbol::Disc, ShapeStyle::line(color::STOP, 1.0), "stop, with its cell");
     }
 }
 
-fn draw_strobes(robot: &LatticeRobot, strobes: &Strobes, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+fn draw_strobes(robot: &LatticeRobot, strobes: &Strobes, view: &PaperView, to: &mut Drawing, legend: &mut PanelLegend) {
     let Some(order) = robot.order() else { return };
     let way = scenery::thinned(&robot.way(|_| true));
-    to.line(&view.all(way.points), Ink::line(robot.color, WAY_PT), &[]);
-    key.add(
-        KeyForm::Line,
-        Ink::line(robot.color, WAY_PT),
+    to.line(&view.all(way.points), ShapeStyle::line(robot.color, WAY_PT), &[]);
+    legend.add(
+        LegendSymbol::Line,
+        ShapeStyle::line(robot.color, WAY_PT),
         format!("path of the tip{}, from state to state{}", robot.of(), way.remark),
     );
     let places = StrobedPlace::all(strobes, |t_ns| robot.tip_um(t_ns));
@@ -305,25 +306,25 @@ fn draw_strobes(robot: &LatticeRobot, strobes: &Strobes, view: &PaperView, to: &
     let mut passed = Vec::new();
     for place in &places {
         let at = view.at(robot.in_scene(place.place));
-        let ink = Ink::filled(robot.color).edged(color::INK, HAIR_PT);
+        let style = ShapeStyle::filled(robot.color).with_stroke(color::INK, HAIR_PT);
         let tip = order.facts.tip_radius_um * view.scale;
-        to.disc(at, tip.clamp(1.8, 6.0), ink, &facts(robot, place));
+        to.disc(at, tip.clamp(1.8, 6.0), style, &tip_attributes(robot, place));
         to.mark(PaperBox::about(at, 2.0));
         match cell(place).filter(|cell| stops.contains(cell)) {
             Some(cell) => drop(named.insert(cell, place.numbers())),
             None => passed.push((place, at)),
         }
     }
-    draw_stops(robot, &named, view, to, key);
+    draw_stops(robot, &named, view, to, legend);
     for (at, numbers) in StrobedPlace::clustered(passed) {
         to.label(scenery::numbers(&numbers, at, 2.0));
     }
-    let ink = Ink::filled(robot.color).edged(color::INK, HAIR_PT);
-    key.add(KeyForm::Disc, ink, format!("tip{}, numbered", robot.of()));
+    let style = ShapeStyle::filled(robot.color).with_stroke(color::INK, HAIR_PT);
+    legend.add(LegendSymbol::Disc, style, format!("tip{}, numbered", robot.of()));
 }
 
-/// Facts of a drawn tip, in the robot's own frame as in the schedule.
-fn facts<'f>(robot: &LatticeRobot, place: &StrobedPlace) -> Vec<(&'f str, String)> {
+/// Data attributes of a drawn tip, in the robot's own frame as in the schedule.
+fn tip_attributes<'f>(robot: &LatticeRobot, place: &StrobedPlace) -> Vec<(&'f str, String)> {
     let [x, y] = place.place;
     let mut facts = vec![("device", robot.device.to_owned()), ("t-ns", place.instants())];
     facts.extend([("x-um", decimal(x, 6)), ("y-um", decimal(y, 6))]);
@@ -333,26 +334,47 @@ fn facts<'f>(robot: &LatticeRobot, place: &StrobedPlace) -> Vec<(&'f str, String
     facts
 }
 
-fn draw_moment(robot: &LatticeRobot, t_ns: u64, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+fn draw_moment(robot: &LatticeRobot, t_ns: u64, view: &PaperView, to: &mut Drawing, legend: &mut PanelLegend) {
     let (Some(order), Some(tip_um)) = (robot.order(), robot.tip_um(t_ns)) else { return };
     let here = robot.in_scene(tip_um);
     let mut behind = robot.way(|other_ns| other_ns <= t_ns);
     behind.push(here);
     let ahead: Vec<[f64; 2]> = std::iter::once(here).chain(robot.way(|other_ns| other_ns > t_ns)).collect();
     let (behind, ahead) = (scenery::thinned(&behind), scenery::thinned(&ahead));
-    to.line(&view.all(ahead.points), Ink::line(color::AHEAD, THIN_PT).dashed("2 2"), &[]);
-    to.line(&view.all(behind.points), Ink::line(robot.color, WAY_PT), &[]);
+    to.line(&view.all(ahead.points), ShapeStyle::line(color::AHEAD, THIN_PT).dashed("2 2"), &[]);
+    to.line(&view.all(behind.points), ShapeStyle::line(robot.color, WAY_PT), &[]);
     let at = view.at(here);
     let tip_pt = (order.facts.tip_radius_um * view.scale).clamp(2.4, 8.0);
     let place = StrobedPlace { place: tip_um, strobes: vec![(1, t_ns)] };
-    to.disc(at, tip_pt, Ink::filled(robot.color).edged(color::INK, THIN_PT), &facts(robot, &place));
+    to.disc(
+        at,
+        tip_pt,
+        ShapeStyle::filled(robot.color).with_stroke(color::INK, THIN_PT),
+        &tip_attributes(robot, &place),
+    );
     to.mark(PaperBox::about(at, tip_pt));
-    draw_stops(robot, &BTreeMap::new(), view, to, key);
-    key.add(KeyForm::Disc, Ink::filled(robot.color).edged(color::INK, THIN_PT), format!("tip{}", robot.of()));
-    key.add(KeyForm::Line, Ink::line(robot.color, WAY_PT), format!("where it was{}", behind.remark));
-    key.add(KeyForm::Line, Ink::line(color::AHEAD, THIN_PT).dashed("2 2"), format!("where it will be{}", ahead.remark));
-    key.add(KeyForm::Box, Ink::filled(robot.color).edged(color::SOFT, HAIR_PT), format!("module at 1{}", robot.of()));
-    key.add(KeyForm::Box, Ink::filled(color::LIT).edged(color::SOFT, HAIR_PT), "module that is being switched");
+    draw_stops(robot, &BTreeMap::new(), view, to, legend);
+    legend.add(
+        LegendSymbol::Disc,
+        ShapeStyle::filled(robot.color).with_stroke(color::INK, THIN_PT),
+        format!("tip{}", robot.of()),
+    );
+    legend.add(LegendSymbol::Line, ShapeStyle::line(robot.color, WAY_PT), format!("where it was{}", behind.remark));
+    legend.add(
+        LegendSymbol::Line,
+        ShapeStyle::line(color::AHEAD, THIN_PT).dashed("2 2"),
+        format!("where it will be{}", ahead.remark),
+    );
+    legend.add(
+        LegendSymbol::Box,
+        ShapeStyle::filled(robot.color).with_stroke(color::SOFT, HAIR_PT),
+        format!("module at 1{}", robot.of()),
+    );
+    legend.add(
+        LegendSymbol::Box,
+        ShapeStyle::filled(color::LIT).with_stroke(color::SOFT, HAIR_PT),
+        "module that is being switched",
+    );
 }
 
 /// Draws the modules as squares, the top one first, filled at 1; at an instant those being switched are highlighted.
@@ -367,13 +389,13 @@ fn draw_modules(robot: &LatticeRobot, panel: &LatticePanel, room: PaperBox, to: 
         _ => format!("modules of {} {when}", robot.device),
     };
     let base = room.top + TEXT_PT;
-    to.text([room.left, base], &text, Letters::SMALL.colored(color::SOFT));
-    let mut left = room.left + Letters::SMALL.width_pt(&text) + 6.0;
+    to.text([room.left, base], &text, TextStyle::SMALL.colored(color::SOFT));
+    let mut left = room.left + TextStyle::SMALL.width_pt(&text) + 6.0;
     let count = f64::from(facts.left + facts.right);
     let size_pt = ((room.right - left - 34.0) / count).clamp(1.5, MODULE_PT);
     for (side, name, shift) in [(Side::Left, "bl", facts.right), (Side::Right, "br", 0)] {
-        to.text([left, base], name, Letters::SMALL);
-        left += Letters::SMALL.width_pt(name) + 2.0;
+        to.text([left, base], name, TextStyle::SMALL);
+        left += TextStyle::SMALL.width_pt(name) + 2.0;
         for module in (0..facts.modules(side)).rev() {
             let is_set = (word >> (shift + module)) & 1 == 1;
             let is_lit = lit.contains(&format!("{name}{module}"));
@@ -386,11 +408,11 @@ fn draw_modules(robot: &LatticeRobot, panel: &LatticePanel, room: PaperBox, to: 
                 PaperBox { left, right: left + size_pt - 1.0, top: room.top, bottom: room.top + MODULE_PT - 0.5 };
             let facts =
                 [("module", format!("{}.{name}{module}", robot.device)), ("state", u8::from(is_set).to_string())];
-            to.rect(square, Ink::filled(fill).edged(color::SOFT, HAIR_PT), &facts);
+            to.rect(square, ShapeStyle::filled(fill).with_stroke(color::SOFT, HAIR_PT), &facts);
             if size_pt >= DIGIT_PT {
                 let [x, _] = square.middle();
-                let letters = Letters::SMALL.anchored(Anchor::Middle);
-                to.text([x, base - 0.2], if is_set { "1" } else { "0" }, letters);
+                let text_style = TextStyle::SMALL.anchored(Anchor::Middle);
+                to.text([x, base - 0.2], if is_set { "1" } else { "0" }, text_style);
             }
             left += size_pt;
         }

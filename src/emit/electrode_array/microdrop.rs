@@ -44,7 +44,7 @@ const ELECTRODE_BYTES: u64 = 15;
 /// The files, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::OtherProtocol`], [`EmitError::Ramp`], [`EmitError::Unsayable`],
+/// [`EmitError::NotWired`], [`EmitError::OtherProtocol`], [`EmitError::Ramp`], [`EmitError::Unsupported`],
 /// [`EmitError::TooLarge`].
 pub fn write(verified: &Verified) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let schedule = verified.schedule();
@@ -118,7 +118,7 @@ fn chips<'a>(
             let what = format!("`{channel}`, which is not an electrode of a board");
             let help =
                 "wire it to another instrument, or write `--emit frames`, which supports every channel of a driver";
-            return Err(EmitError::Unsayable { format: Format::Microdrop, what, help: help.to_owned() });
+            return Err(EmitError::Unsupported { format: Format::Microdrop, what, help: help.to_owned() });
         };
         let new = || WiredChip { facts, numbers: BTreeMap::new(), pads: BTreeSet::new() };
         let chip = chips.entry(device).or_insert_with(new);
@@ -280,7 +280,7 @@ fn whole(value: f64, unit: &str) -> Result<u64, EmitError> {
     }
     let what = format!("a step of {value} {unit}: its settings are whole numbers");
     let help = format!("round it to whole {unit} in the program, or write `--emit frames`");
-    Err(EmitError::Unsayable { format: Format::Microdrop, what, help })
+    Err(EmitError::Unsupported { format: Format::Microdrop, what, help })
 }
 
 /// The device: boards side by side, a pitch apart.

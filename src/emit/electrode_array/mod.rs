@@ -1,9 +1,9 @@
 //! Output of electrode arrays: their motion over time, and its form in logs and pictures.
 
-pub mod course;
 mod dispensed;
 pub mod mcap;
 mod microdrop;
+pub mod motion;
 pub mod svg;
 
 pub use dispensed::dispensed;

@@ -2,11 +2,11 @@
 
 use crate::claims::electrode_array::{BoardZone, ElectrodeArrayObstacle, ElectrodeArrayOrder, ZoneSort};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
-use crate::emit::electrode_array::course::{PartsMoment, asked, body, moments, outline, place, runs, zone_body};
+use crate::emit::electrode_array::motion::{PartsMoment, body, goal_cells, moments, outline, place, runs, zone_body};
 use crate::emit::svg::drawing::{
-    Drawing, HAIR_PT, Ink, Letters, PaperBox, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal,
+    Drawing, HAIR_PT, PaperBox, PaperView, PlacedLabel, ShapeStyle, THIN_PT, TextStyle, WAY_PT, color, decimal,
 };
-use crate::emit::svg::legend::{KeyForm, PanelKey};
+use crate::emit::svg::legend::{LegendSymbol, PanelLegend};
 use crate::emit::svg::scenery::{self, simplified};
 use crate::emit::svg::strobe::{MAX_NUMBERS, MAX_STROBES, StrobedPlace, Strobes, length, ranges};
 use crate::emit::svg::{Panel, Pictured, Subject};
@@ -17,7 +17,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const ELECTRODE_PT: f64 = 2.0;
 
 /// Opacity of heaters, detectors and magnets over the electrodes.
-const ZONE_VEIL: f64 = 0.7;
+const ZONE_OPACITY: f64 = 0.7;
 
 /// Greatest number of corners of all routes together.
 const MAX_ROUTE_CORNERS: usize = 20_000;
@@ -59,7 +59,7 @@ fn strobes(orders: &[Cow<ElectrodeArrayOrder>], moments: &[PartsMoment], parts: 
     }
     let goals: BTreeSet<(&str, ElectrodeCell)> = orders
         .iter()
-        .flat_map(|order| asked(order))
+        .flat_map(|order| goal_cells(order))
         .filter_map(|(part, cell)| Some((*parts.get(part?)?, cell)))
         .collect();
     let arrived = |(part, cell): &(&str, ElectrodeCell)| {
@@ -86,27 +86,27 @@ impl BoardPanel<'_> {
     }
 
     /// The outline of a part at a place.
-    fn shape(&self, at: [f64; 2], view: &PaperView, ink: Ink, facts: &[(&str, String)], to: &mut Drawing) {
+    fn shape(&self, at: [f64; 2], view: &PaperView, style: ShapeStyle, data: &[(&str, String)], to: &mut Drawing) {
         let layout = &self.facts().layout;
         let half_pt = layout.half_width_pitches * view.scale;
         let at = view.at(at);
         match layout.electrodes {
-            Electrodes::Quad => to.rect(PaperBox::about(at, half_pt), ink, facts),
-            Electrodes::Single => to.disc(at, half_pt, ink, facts),
+            Electrodes::Quad => to.rect(PaperBox::about(at, half_pt), style, data),
+            Electrodes::Single => to.disc(at, half_pt, style, data),
         }
     }
 
     /// Labels a part with its name and numbers, if there are few parts or the label fits into the part.
     fn name(&self, text: String, at: [f64; 2], to: &mut Drawing, view: &PaperView) {
         let radius_pt = self.facts().layout.half_width_pitches * view.scale;
-        let letters = Letters::SMALL.bold();
-        let may_cover = letters.width_pt(&text) < 2.0 * radius_pt;
+        let text_style = TextStyle::SMALL.bold();
+        let may_cover = text_style.width_pt(&text) < 2.0 * radius_pt;
         if may_cover || self.parts.len() <= scenery::MAX_NAMES {
-            to.label(PlacedLabel { text, letters, at, radius_pt, may_cover });
+            to.label(PlacedLabel { text, text_style, at, radius_pt, may_cover });
         }
     }
 
-    fn facts_of<'f>(&self, part: &str, place: &StrobedPlace) -> Vec<(&'f str, String)> {
+    fn attributes_of<'f>(&self, part: &str, place: &StrobedPlace) -> Vec<(&'f str, String)> {
         let [column, row] = place.place.map(|value| decimal(value + 1.0, 6));
         let device = self.subject.device.to_owned();
         vec![
@@ -136,25 +136,25 @@ impl Panel for BoardPanel<'_> {
         self.facts().pitch_um()
     }
 
-    fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelKey {
-        let mut key = PanelKey::default();
-        draw_board(self, view, to, &mut key);
-        draw_zones(self, view, to, &mut key);
-        draw_obstacles(self, view, to, &mut key);
+    fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelLegend {
+        let mut legend = PanelLegend::default();
+        draw_board(self, view, to, &mut legend);
+        draw_zones(self, view, to, &mut legend);
+        draw_obstacles(self, view, to, &mut legend);
         match self.subject.moment_ns {
-            Some(t_ns) => draw_moment(self, t_ns, view, to, &mut key),
-            None => draw_strobes(self, view, to, &mut key),
+            Some(t_ns) => draw_moment(self, t_ns, view, to, &mut legend),
+            None => draw_strobes(self, view, to, &mut legend),
         }
-        key
+        legend
     }
 }
 
-fn draw_board(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+fn draw_board(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, legend: &mut PanelLegend) {
     let facts = panel.facts();
     let [[x0, y0], [x1, y1]] = outline(facts);
     let [low, high] = [view.at([x0, y0]), view.at([x1, y1])];
     let room = PaperBox { left: low[0], top: high[1], right: high[0], bottom: low[1] };
-    to.rect(room, Ink::filled(color::BOARD).edged(color::FAINT, HAIR_PT), &[]);
+    to.rect(room, ShapeStyle::filled(color::BOARD).with_stroke(color::FAINT, HAIR_PT), &[]);
     let diameter_pt = 2.0 * facts.radius_um / facts.pitch_um() * view.scale;
     let cells =
         || (1..=facts.columns).flat_map(|column| (1..=facts.rows).map(move |row| ElectrodeCell { column, row }));
@@ -162,19 +162,19 @@ fn draw_board(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut 
         let [x, y] = place(gap);
         let [low, high] = [view.at([x - 0.5, y - 0.5]), view.at([x + 0.5, y + 0.5])];
         let room = PaperBox { left: low[0], top: high[1], right: high[0], bottom: low[1] };
-        to.rect(room, Ink::filled(color::PAPER), &[]);
+        to.rect(room, ShapeStyle::filled(color::PAPER), &[]);
     }
     if view.scale >= ELECTRODE_PT {
         let works = cells().filter(|cell| facts.has_electrode(*cell) && !facts.is_disabled(*cell));
         to.dots(works.map(|cell| view.at(place(cell))), diameter_pt, color::ELECTRODE);
-        key.add(KeyForm::Disc, Ink::filled(color::ELECTRODE), "electrode");
-        let ink = Ink::filled(color::PAPER).edged(color::FAINT, THIN_PT);
+        legend.add(LegendSymbol::Disc, ShapeStyle::filled(color::ELECTRODE), "electrode");
+        let style = ShapeStyle::filled(color::PAPER).with_stroke(color::FAINT, THIN_PT);
         for cell in cells().filter(|cell| facts.is_disabled(*cell)) {
-            to.disc(view.at(place(cell)), diameter_pt / 2.0, ink, &[]);
-            key.add(KeyForm::Disc, ink, "disabled");
+            to.disc(view.at(place(cell)), diameter_pt / 2.0, style, &[]);
+            legend.add(LegendSymbol::Disc, style, "disabled");
         }
     } else {
-        key.notes.push(format!(
+        legend.notes.push(format!(
             "the {} × {} electrodes of {} are not drawn",
             facts.columns, facts.rows, panel.subject.device
         ));
@@ -186,19 +186,19 @@ fn draw_board(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut 
     let on = of_device.filter(|(index, _)| signals.value(*index, t_ns) != 0.0);
     let firsts = on.filter_map(|(_, channel)| facts.electrode(channel.name.strip_prefix(device)?.strip_prefix('.')?));
     let cells = firsts.flat_map(|first| facts.lit_with(first));
-    let ink = Ink::filled(color::LIVE).edged(color::LIVE_EDGE, HAIR_PT);
+    let style = ShapeStyle::filled(color::LIVE).with_stroke(color::LIVE_EDGE, HAIR_PT);
     for cell in cells {
         to.disc(
             view.at(place(cell)),
             (diameter_pt / 2.0).max(0.8),
-            ink,
+            style,
             &[("on", format!("{} {}", cell.column, cell.row))],
         );
     }
-    key.add(KeyForm::Disc, ink, "electrode that is on");
+    legend.add(LegendSymbol::Disc, style, "electrode that is on");
 }
 
-fn draw_zones(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+fn draw_zones(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, legend: &mut PanelLegend) {
     let all: BTreeMap<(&str, ZoneSort), &BoardZone> = panel
         .orders
         .iter()
@@ -209,12 +209,12 @@ fn draw_zones(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut 
         let [[x0, y0], [x1, y1]] = zone_body(zone);
         let [low, high] = [view.at([x0, y0]), view.at([x1, y1])];
         let room = PaperBox { left: low[0], top: high[1], right: high[0], bottom: low[1] };
-        let ink = Ink::filled(color_of_zone(zone.sort)).veiled(ZONE_VEIL);
-        to.rect(room, ink, &[(zone.sort.name(), zone.name.clone())]);
+        let style = ShapeStyle::filled(color_of_zone(zone.sort)).with_opacity(ZONE_OPACITY);
+        to.rect(room, style, &[(zone.sort.name(), zone.name.clone())]);
         if all.len() <= scenery::MAX_NAMES {
             to.label(scenery::name(&zone.name, room.middle()));
         }
-        key.add(KeyForm::Box, ink, zone.sort.name());
+        legend.add(LegendSymbol::Box, style, zone.sort.name());
     }
 }
 
@@ -226,7 +226,7 @@ fn color_of_zone(sort: ZoneSort) -> &'static str {
     }
 }
 
-fn draw_obstacles(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+fn draw_obstacles(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, legend: &mut PanelLegend) {
     let mut all: Vec<&ElectrodeArrayObstacle> = Vec::new();
     let mut known = BTreeSet::new();
     for obstacle in panel.orders.iter().flat_map(|order| order.obstacles.iter()) {
@@ -239,72 +239,85 @@ fn draw_obstacles(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &
         let [[x0, y0], [x1, y1]] = body(panel.facts(), obstacle);
         let [low, high] = [view.at([x0, y0]), view.at([x1, y1])];
         let room = PaperBox { left: low[0], top: high[1], right: high[0], bottom: low[1] };
-        to.rect(room, Ink::filled(color::OBSTACLE), &[]);
+        to.rect(room, ShapeStyle::filled(color::OBSTACLE), &[]);
         if all.len() <= scenery::MAX_NAMES {
             to.label(scenery::name(&obstacle.name, room.middle()));
         }
     }
     if !all.is_empty() {
-        key.add(KeyForm::Box, Ink::filled(color::OBSTACLE), scenery::obstacles_text(all.len(), drawn.len()));
+        legend.add(
+            LegendSymbol::Box,
+            ShapeStyle::filled(color::OBSTACLE),
+            scenery::obstacles_text(all.len(), drawn.len()),
+        );
     }
 }
 
 /// Marks the goals of all steps.
-fn draw_goals(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
-    let goals: BTreeSet<(Option<usize>, ElectrodeCell)> = panel.orders.iter().flat_map(|order| asked(order)).collect();
+fn draw_goals(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, legend: &mut PanelLegend) {
+    let goals: BTreeSet<(Option<usize>, ElectrodeCell)> =
+        panel.orders.iter().flat_map(|order| goal_cells(order)).collect();
     for (part, cell) in &goals {
         // A goal that any of several parts may take has none of their colours.
-        let ink = Ink::line(part.map_or(color::SOFT, color::in_turn), 1.0).dashed("2 1.5");
+        let style = ShapeStyle::line(part.map_or(color::SOFT, color::in_turn), 1.0).dashed("2 1.5");
         to.rect(
             PaperBox::about(view.at(place(*cell)), 0.5 * view.scale),
-            ink,
+            style,
             &[("stop", format!("{} {}", cell.column, cell.row))],
         );
     }
     if !goals.is_empty() {
-        key.add(KeyForm::Box, Ink::line(color::SOFT, 1.0).dashed("2 1.5"), "stop or goal");
+        legend.add(LegendSymbol::Box, ShapeStyle::line(color::SOFT, 1.0).dashed("2 1.5"), "stop or goal");
     }
 }
 
-fn draw_strobes(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+fn draw_strobes(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, legend: &mut PanelLegend) {
     let ways: Vec<Vec<[f64; 2]>> = panel.parts.iter().map(|part| way(&panel.moments, part)).collect();
     let corners: usize = ways.iter().map(Vec::len).sum();
     let (Some(first), Some(last)) = (panel.strobes.instants.first(), panel.strobes.instants.last()) else { return };
     for (index, (part, _)) in panel.parts.iter().zip(&ways).enumerate().filter(|(_, (_, way))| way.len() > 1) {
-        let ink = Ink::filled(color::PAPER).edged(color::in_turn(index), THIN_PT);
+        let style = ShapeStyle::filled(color::PAPER).with_stroke(color::in_turn(index), THIN_PT);
         if let Some(start) = panel.place(part, *first) {
-            panel.shape(start, view, ink, &[("start", (*part).to_owned())], to);
+            panel.shape(start, view, style, &[("start", (*part).to_owned())], to);
         }
     }
     for (index, way) in ways.iter().enumerate().filter(|_| corners <= MAX_ROUTE_CORNERS) {
-        to.line(&view.all(way.iter().copied()), Ink::line(color::in_turn(index), WAY_PT), &[]);
+        to.line(&view.all(way.iter().copied()), ShapeStyle::line(color::in_turn(index), WAY_PT), &[]);
     }
     let ends: BTreeMap<&str, [f64; 2]> =
         panel.parts.iter().filter_map(|part| Some((*part, panel.place(part, *last)?))).collect();
     for (index, part) in panel.parts.iter().enumerate() {
-        let ink = Ink::filled(color::in_turn(index)).edged(color::INK, HAIR_PT).veiled(0.75);
+        let style = ShapeStyle::filled(color::in_turn(index)).with_stroke(color::INK, HAIR_PT).with_opacity(0.75);
         if let Some(end) = ends.get(part) {
-            panel.shape(*end, view, ink, &[("end", (*part).to_owned())], to);
+            panel.shape(*end, view, style, &[("end", (*part).to_owned())], to);
         }
     }
-    draw_goals(panel, view, to, key);
+    draw_goals(panel, view, to, legend);
     for (index, part) in panel.parts.iter().enumerate() {
         draw_part(panel, index, part, view, to);
     }
     let grey = color::AHEAD;
-    key.add(KeyForm::Box, Ink::filled(color::PAPER).edged(grey, THIN_PT), "part at its start");
-    key.add(KeyForm::Box, Ink::filled(grey).edged(color::INK, HAIR_PT).veiled(0.75), "part at its end");
+    legend.add(LegendSymbol::Box, ShapeStyle::filled(color::PAPER).with_stroke(grey, THIN_PT), "part at its start");
+    legend.add(
+        LegendSymbol::Box,
+        ShapeStyle::filled(grey).with_stroke(color::INK, HAIR_PT).with_opacity(0.75),
+        "part at its end",
+    );
     if corners <= MAX_ROUTE_CORNERS {
-        key.add(KeyForm::Line, Ink::line(grey, WAY_PT), "route of its middle");
+        legend.add(LegendSymbol::Line, ShapeStyle::line(grey, WAY_PT), "route of its middle");
     } else {
-        key.notes.push(format!("routes are not drawn: they have {corners} corners"));
+        legend.notes.push(format!("routes are not drawn: they have {corners} corners"));
     }
     if panel.has_numbers {
-        key.add(KeyForm::Disc, Ink::filled(color::PAPER).edged(color::INK, THIN_PT), "numbered position of its middle");
-        key.under.push(panel.strobes.times());
-        key.under.extend(panel.strobes.note.clone());
+        legend.add(
+            LegendSymbol::Disc,
+            ShapeStyle::filled(color::PAPER).with_stroke(color::INK, THIN_PT),
+            "numbered position of its middle",
+        );
+        legend.under.push(panel.strobes.times());
+        legend.under.extend(panel.strobes.note.clone());
     } else {
-        key.notes.push(format!(
+        legend.notes.push(format!(
             "{} parts move: positions between start and end have no numbers",
             ways.iter().filter(|way| way.len() > 1).count()
         ));
@@ -316,9 +329,9 @@ fn draw_part(panel: &BoardPanel, index: usize, part: &str, view: &PaperView, to:
     let places = StrobedPlace::all(&panel.strobes, |t_ns| panel.place(part, t_ns));
     let radius_pt = 0.4 * panel.facts().layout.half_width_pitches * view.scale;
     for place in &places {
-        let ink = Ink::filled(color::PAPER).edged(color::in_turn(index), THIN_PT);
+        let style = ShapeStyle::filled(color::PAPER).with_stroke(color::in_turn(index), THIN_PT);
         let at = view.at(place.place);
-        to.disc(at, radius_pt.clamp(0.5, 1.2), ink, &panel.facts_of(part, place));
+        to.disc(at, radius_pt.clamp(0.5, 1.2), style, &panel.attributes_of(part, place));
         to.mark(PaperBox::about(at, 1.2));
     }
     let is_gone = panel.strobes.instants.last().is_some_and(|last| panel.place(part, *last).is_none());
@@ -336,7 +349,7 @@ fn draw_part(panel: &BoardPanel, index: usize, part: &str, view: &PaperView, to:
     }
 }
 
-fn draw_moment(panel: &BoardPanel, t_ns: u64, view: &PaperView, to: &mut Drawing, key: &mut PanelKey) {
+fn draw_moment(panel: &BoardPanel, t_ns: u64, view: &PaperView, to: &mut Drawing, legend: &mut PanelLegend) {
     let until = |is_behind: bool| {
         let is_meant = move |moment: &&PartsMoment| (moment.t_ns <= t_ns) == is_behind;
         move |part: &str| -> Vec<[f64; 2]> {
@@ -347,28 +360,28 @@ fn draw_moment(panel: &BoardPanel, t_ns: u64, view: &PaperView, to: &mut Drawing
     let corners: usize = panel.parts.iter().map(|part| way(&panel.moments, part).len()).sum();
     for (index, part) in panel.parts.iter().enumerate().filter(|_| corners <= MAX_ROUTE_CORNERS) {
         let here = panel.place(part, t_ns);
-        let dashes = Ink::line(color::in_turn(index), THIN_PT).dashed("2 2");
+        let dashes = ShapeStyle::line(color::in_turn(index), THIN_PT).dashed("2 2");
         to.line(&view.all(simplified(here.into_iter().chain(ahead(part)))), dashes, &[]);
         to.line(
             &view.all(simplified(behind(part).into_iter().chain(here))),
-            Ink::line(color::in_turn(index), WAY_PT),
+            ShapeStyle::line(color::in_turn(index), WAY_PT),
             &[],
         );
     }
     for (index, part) in panel.parts.iter().enumerate() {
         let Some(here) = panel.place(part, t_ns) else { continue };
         let place = StrobedPlace { place: here, strobes: vec![(1, t_ns)] };
-        let ink = Ink::filled(color::in_turn(index)).edged(color::INK, HAIR_PT).veiled(0.75);
-        panel.shape(here, view, ink, &panel.facts_of(part, &place), to);
+        let style = ShapeStyle::filled(color::in_turn(index)).with_stroke(color::INK, HAIR_PT).with_opacity(0.75);
+        panel.shape(here, view, style, &panel.attributes_of(part, &place), to);
         panel.name((*part).to_owned(), view.at(here), to, view);
     }
-    draw_goals(panel, view, to, key);
+    draw_goals(panel, view, to, legend);
     let grey = color::AHEAD;
-    key.add(KeyForm::Box, Ink::filled(grey).edged(color::INK, HAIR_PT).veiled(0.75), "part");
+    legend.add(LegendSymbol::Box, ShapeStyle::filled(grey).with_stroke(color::INK, HAIR_PT).with_opacity(0.75), "part");
     if corners <= MAX_ROUTE_CORNERS {
-        key.add(KeyForm::Line, Ink::line(grey, WAY_PT), "its route so far");
-        key.add(KeyForm::Line, Ink::line(grey, THIN_PT).dashed("2 2"), "its route ahead");
+        legend.add(LegendSymbol::Line, ShapeStyle::line(grey, WAY_PT), "its route so far");
+        legend.add(LegendSymbol::Line, ShapeStyle::line(grey, THIN_PT).dashed("2 2"), "its route ahead");
     } else {
-        key.notes.push(format!("routes are not drawn: they have {corners} corners"));
+        legend.notes.push(format!("routes are not drawn: they have {corners} corners"));
     }
 }

@@ -5,11 +5,11 @@
 
 use crate::claims::fingers::{FingersOrder, Section};
 use crate::device::fingers::Plane;
-use crate::emit::fingers::course::{HandCourse, HandMoment, HandPlanCourse, PartPose, RecordedGrasp, corners};
+use crate::emit::fingers::motion::{HandMoment, HandMotion, HandPlanMotion, PartPose, RecordedGrasp, corners};
 use crate::emit::svg::drawing::{
-    Drawing, HAIR_PT, Ink, Letters, PaperView, PlacedLabel, THIN_PT, WAY_PT, color, decimal,
+    Drawing, HAIR_PT, PaperView, PlacedLabel, ShapeStyle, THIN_PT, TextStyle, WAY_PT, color, decimal,
 };
-use crate::emit::svg::legend::{KeyForm, PanelKey};
+use crate::emit::svg::legend::{LegendSymbol, PanelLegend};
 use crate::emit::svg::scenery;
 use crate::emit::svg::strobe::{Strobes, time};
 use crate::emit::svg::{Panel, Pictured, Subject};
@@ -34,7 +34,7 @@ const ARC: f64 = 0.4;
 
 struct HandPicture<'a> {
     subject: Subject<'a>,
-    course: HandCourse<'a>,
+    motion: HandMotion<'a>,
     /// Reach of everything drawn, from the middle of the part.
     reach_um: f64,
 }
@@ -61,12 +61,12 @@ struct TurnView<'p> {
 
 impl Pictured for FingersOrder {
     fn panels<'a>(&'a self, subject: Subject<'a>) -> Vec<Box<dyn Panel + 'a>> {
-        let course = HandCourse::new(subject.verified, subject.signals, subject.device);
+        let motion = HandMotion::new(subject.verified, subject.signals, subject.device);
         let sections = [Some(&self.part.xy), self.part.xz.as_ref()].into_iter().flatten();
         let reaches = sections.filter_map(|section| Some(Curve::of(&section.outline).ok()?.reach_um()));
         let reach_um = reaches.fold(0.0, f64::max) + 2.4 * self.facts.tip_radius_um;
-        let strobes = strobes(&course, subject);
-        let picture = Rc::new(HandPicture { subject, course, reach_um });
+        let strobes = strobes(&motion, subject);
+        let picture = Rc::new(HandPicture { subject, motion, reach_um });
         let panel = |number: Option<usize>, t_ns: u64| {
             let note = strobes.note.clone().filter(|_| number.is_some());
             Box::new(GraspPanel { picture: Rc::clone(&picture), number, t_ns, note }) as Box<dyn Panel + 'a>
@@ -79,10 +79,10 @@ impl Pictured for FingersOrder {
 }
 
 /// The instants at which the set of holding fingers changes, and the ends of steps.
-fn strobes(course: &HandCourse, subject: Subject) -> Strobes {
+fn strobes(motion: &HandMotion, subject: Subject) -> Strobes {
     let schedule = subject.verified.schedule();
     let mut all = BTreeSet::new();
-    for plan in &course.plans {
+    for plan in &motion.plans {
         let holding = |grasp: &RecordedGrasp| grasp.contacts.iter().map(|contact| *contact > 0).collect::<Vec<_>>();
         all.extend(plan.grasps.first().map(|grasp| grasp.t_ns));
         all.extend(plan.grasps.last().map(|grasp| grasp.t_ns));
@@ -108,7 +108,7 @@ fn turned(pose: &PartPose, [x, y, z]: [f64; 3]) -> Vector3<f64> {
 
 impl<'p> TurnView<'p> {
     /// The view at an instant; while the part turns towards the next grasp, that of this turn.
-    fn new(plan: &'p HandPlanCourse, index: usize, moment: &HandMoment) -> Option<TurnView<'p>> {
+    fn new(plan: &'p HandPlanMotion, index: usize, moment: &HandMoment) -> Option<TurnView<'p>> {
         let here = &plan.grasps[index];
         let is_moving = |next: &&RecordedGrasp| {
             moment.part.orientation != here.part.orientation && next.part.orientation != here.part.orientation
@@ -160,23 +160,31 @@ impl Panel for GraspPanel<'_> {
         if self.number.is_some() { SHARE } else { 1.0 }
     }
 
-    fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelKey {
-        let mut key = PanelKey::default();
+    fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelLegend {
+        let mut legend = PanelLegend::default();
         let picture = &self.picture;
-        let Some((plan, index, moment)) = picture.course.at(picture.subject.signals, self.t_ns) else { return key };
-        let Some(turn) = TurnView::new(plan, index, &moment) else { return key };
+        let Some((plan, index, moment)) = picture.motion.at(picture.subject.signals, self.t_ns) else { return legend };
+        let Some(turn) = TurnView::new(plan, index, &moment) else { return legend };
         let grasp = &plan.grasps[index];
-        to.rect(view.room, Ink::line(color::FAINT, HAIR_PT), &[]);
+        to.rect(view.room, ShapeStyle::line(color::FAINT, HAIR_PT), &[]);
         draw_part(self, plan, &turn, &moment, view, to);
         draw_tips(self, plan, grasp, &turn, &moment, view, to);
-        key.under.extend(self.words(grasp, &turn));
-        key.notes.extend(self.note.clone());
-        key.add(KeyForm::Box, Ink::line(color::INK, THIN_PT), "part, cut in the plane of its turn");
-        key.add(KeyForm::Line, Ink::line(color::INK, HAIR_PT), "its x axis");
-        key.add(KeyForm::Line, Ink::line(color::STOP, WAY_PT), "turned since the turn began");
-        key.add(KeyForm::Disc, Ink::filled(color::in_turn(1)).edged(color::INK, THIN_PT), "tip that holds");
-        key.add(KeyForm::Disc, Ink::line(color::SOFT, THIN_PT).dashed("2 1.5"), "free tip, above or below the plane");
-        key
+        legend.under.extend(self.words(grasp, &turn));
+        legend.notes.extend(self.note.clone());
+        legend.add(LegendSymbol::Box, ShapeStyle::line(color::INK, THIN_PT), "part, cut in the plane of its turn");
+        legend.add(LegendSymbol::Line, ShapeStyle::line(color::INK, HAIR_PT), "its x axis");
+        legend.add(LegendSymbol::Line, ShapeStyle::line(color::STOP, WAY_PT), "turned since the turn began");
+        legend.add(
+            LegendSymbol::Disc,
+            ShapeStyle::filled(color::in_turn(1)).with_stroke(color::INK, THIN_PT),
+            "tip that holds",
+        );
+        legend.add(
+            LegendSymbol::Disc,
+            ShapeStyle::line(color::SOFT, THIN_PT).dashed("2 1.5"),
+            "free tip, above or below the plane",
+        );
+        legend
     }
 }
 
@@ -205,7 +213,7 @@ impl GraspPanel<'_> {
 
 fn draw_part(
     panel: &GraspPanel,
-    plan: &HandPlanCourse,
+    plan: &HandPlanMotion,
     turn: &TurnView,
     moment: &HandMoment,
     view: &PaperView,
@@ -213,7 +221,7 @@ fn draw_part(
 ) {
     let outline: Vec<[f64; 2]> = corners(turn.section).into_iter().map(|corner| turn.of_section(corner)).collect();
     let outline = view.all(outline);
-    to.shape(&outline, Ink::filled(color::in_turn(0)).veiled(INSIDE), &[]);
+    to.shape(&outline, ShapeStyle::filled(color::in_turn(0)).with_opacity(INSIDE), &[]);
     let [x, y, z] = moment.part.position_um.map(|value| decimal(value, 6));
     let orientation = moment.part.orientation.map(|value| decimal(value, 9)).join(" ");
     let facts = [
@@ -225,21 +233,21 @@ fn draw_part(
         ("z-um", z),
         ("orientation", orientation),
     ];
-    to.shape(&outline, Ink::line(color::INK, THIN_PT), &facts);
+    to.shape(&outline, ShapeStyle::line(color::INK, THIN_PT), &facts);
     if let Ok(curve) = Curve::of(&turn.section.outline) {
         let nose = turn.of_section(curve.spot(0.0).point_um);
-        to.line(&view.all([[0.0; 2], nose]), Ink::line(color::INK, HAIR_PT), &[]);
-        to.disc(view.at(nose), 1.3, Ink::filled(color::INK), &[]);
+        to.line(&view.all([[0.0; 2], nose]), ShapeStyle::line(color::INK, HAIR_PT), &[]);
+        to.disc(view.at(nose), 1.3, ShapeStyle::filled(color::INK), &[]);
         let arc = scenery::arc([0.0; 2], ARC * curve.reach_um(), [0.0, turn.turned_rad]);
         if turn.turned_rad != 0.0 {
-            to.line(&view.all(arc), Ink::line(color::STOP, WAY_PT), &[]);
+            to.line(&view.all(arc), ShapeStyle::line(color::STOP, WAY_PT), &[]);
         }
     }
 }
 
 fn draw_tips(
     panel: &GraspPanel,
-    plan: &HandPlanCourse,
+    plan: &HandPlanMotion,
     grasp: &RecordedGrasp,
     turn: &TurnView,
     moment: &HandMoment,
@@ -268,16 +276,16 @@ fn draw_tips(
         ];
         // Not the colour of the part.
         let tint = color::in_turn(finger + 1);
-        let ink = match is_held(finger) {
-            true => Ink::filled(tint).edged(color::INK, THIN_PT).veiled(TIP),
-            false => Ink::line(tint, THIN_PT).dashed("2 1.5"),
+        let style = match is_held(finger) {
+            true => ShapeStyle::filled(tint).with_stroke(color::INK, THIN_PT).with_opacity(TIP),
+            false => ShapeStyle::line(tint, THIN_PT).dashed("2 1.5"),
         };
-        to.disc(at, radius_pt, ink, &facts);
-        let letters = Letters::SMALL.bold();
+        to.disc(at, radius_pt, style, &facts);
+        let text_style = TextStyle::SMALL.bold();
         let text = format!("f{}", finger + 1);
         if view.room.surrounds(at) {
-            let may_cover = 2.0 * radius_pt > letters.width_pt(&text);
-            to.label(PlacedLabel { text, letters, at, radius_pt, may_cover });
+            let may_cover = 2.0 * radius_pt > text_style.width_pt(&text);
+            to.label(PlacedLabel { text, text_style, at, radius_pt, may_cover });
         }
     }
 }

@@ -15,7 +15,7 @@
 //! times, so each frame is repeated as often as the common period of all durations fits into its own.
 
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::parts::{listing as holds_listing, sender};
+use super::hold_parts::{listing as holds_listing, sender};
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
 use crate::device::instrument::{ElectrodeDriverFacts, Family, InstrumentFacts, Link, Protocol, number_after};
@@ -43,7 +43,7 @@ const OPENDROP_CHARACTERS: u32 = 18;
 /// The files, each with its ending; `dispensed` are the droplets that a person puts onto the boards.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::Unsayable`], [`EmitError::TooLarge`].
+/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::Unsupported`], [`EmitError::TooLarge`].
 pub(super) fn write(schedule: &Schedule, dispensed: &[serde_json::Value]) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut files = Vec::new();
     let mut plays = Vec::new();
@@ -67,7 +67,7 @@ pub(super) fn write(schedule: &Schedule, dispensed: &[serde_json::Value]) -> Res
 /// The files for the program that comes with an OpenDrop, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::Unsayable`], [`EmitError::TooManyFrames`].
+/// [`EmitError::NotWired`], [`EmitError::Ramp`], [`EmitError::Unsupported`], [`EmitError::TooManyFrames`].
 pub(super) fn write_opendrop(schedule: &Schedule) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     let mut files = Vec::new();
     for wired in wired(Format::Opendrop, schedule, Family::ElectrodeDriver)? {
@@ -206,7 +206,7 @@ impl<'a> FramedBoard<'a> {
         let output = format!("{}.c{number}", self.wired.name);
         let what = format!("`{output}`, which rests on: its file does not state what is on after the last frame");
         let help = "write `--emit frames`, whose sender leaves it on".to_owned();
-        Err(EmitError::Unsayable { format, what, help })
+        Err(EmitError::Unsupported { format, what, help })
     }
 
     /// An error if a magnet or heater is wired, since the file of OpenDrop's program has electrodes only.
@@ -216,13 +216,13 @@ impl<'a> FramedBoard<'a> {
         let Some((drive, _)) = accessories.next() else { return Ok(()) };
         let what = format!("`{}.{}`: its file contains only electrodes", self.wired.name, drive.output);
         let help = "write `--emit frames`, whose sender sets magnets and heaters too".to_owned();
-        Err(EmitError::Unsayable { format: Format::Opendrop, what, help })
+        Err(EmitError::Unsupported { format: Format::Opendrop, what, help })
     }
 
     /// The common voltage of all electrodes that the driver switches, in volts.
     ///
     /// # Errors
-    /// [`EmitError::Unsayable`] if there are two.
+    /// [`EmitError::Unsupported`] if there are two.
     pub(super) fn voltage_v(&self, format: Format) -> Result<f64, EmitError> {
         let links = self.wired.drives.iter().map(|drive| (&drive.output, drive.link));
         let volts = links.filter_map(|(output, link)| match link {
@@ -237,7 +237,7 @@ impl<'a> FramedBoard<'a> {
             "{voltage_v} V at `{name}.{first}` beside {other_v} V at `{name}.{other}`: it has one voltage for all"
         );
         let help = "give all boards of the driver the same `potential`".to_owned();
-        Err(EmitError::Unsayable { format, what, help })
+        Err(EmitError::Unsupported { format, what, help })
     }
 
     /// The duration of each frame in OpenDrop's file, in nanoseconds.

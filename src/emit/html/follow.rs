@@ -32,7 +32,7 @@ impl<'a> Follower<'a> {
     }
 
     /// Makes a page follow.
-    pub fn lead(&self, page: &mut Vec<u8>) {
+    pub fn mark_page(&self, page: &mut Vec<u8>) {
         let script = self.script.replace('&', "&amp;").replace('"', "&quot;");
         let head = format!("{HEAD} data-follow=\"{script}\" data-stamp=\"{}\"", self.stamp);
         let at = page.windows(HEAD.len()).position(|part| part == HEAD.as_bytes()).expect("every page begins with it");
@@ -40,7 +40,7 @@ impl<'a> Follower<'a> {
     }
 
     /// The bytes of the script, once the pages are known.
-    pub fn tell(&self, pages: &[&str]) -> Vec<u8> {
+    pub fn script_bytes(&self, pages: &[&str]) -> Vec<u8> {
         let latest = LatestBuild { stamp: &self.stamp, pages };
         format!("tweezeBuilt({});\n", serde_json::to_string(&latest).expect("names are JSON")).into_bytes()
     }

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// Position and orientation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StandingPose {
+pub struct FramePose {
     pub place: [f64; 3],
     /// A unit quaternion w, x, y, z.
     turn: [f64; 4],
@@ -19,22 +19,22 @@ pub struct StandingPose {
 /// Rounding grid of quaternions: their last bits differ between machines, and those of a log must not.
 const GRID: f64 = 1e9;
 
-impl StandingPose {
+impl FramePose {
     /// A pose without rotation.
-    pub fn at(place: [f64; 3]) -> StandingPose {
-        StandingPose { place, turn: [1.0, 0.0, 0.0, 0.0] }
+    pub fn at(place: [f64; 3]) -> FramePose {
+        FramePose { place, turn: [1.0, 0.0, 0.0, 0.0] }
     }
 
     /// A pose turned about z by an angle, counter-clockwise.
-    pub fn turned(place: [f64; 3], heading_rad: f64) -> StandingPose {
+    pub fn turned(place: [f64; 3], heading_rad: f64) -> FramePose {
         let (sin, cos) = (heading_rad / 2.0).sine_cosine();
-        StandingPose::oriented(place, [cos, 0.0, 0.0, sin])
+        FramePose::oriented(place, [cos, 0.0, 0.0, sin])
     }
 
     /// A pose turned by a unit quaternion w, x, y, z.
-    pub fn oriented(place: [f64; 3], turn: [f64; 4]) -> StandingPose {
+    pub fn oriented(place: [f64; 3], turn: [f64; 4]) -> FramePose {
         // Adding 0 turns minus zero into zero.
-        StandingPose { place, turn: turn.map(|value| (value * GRID).round() / GRID + 0.0) }
+        FramePose { place, turn: turn.map(|value| (value * GRID).round() / GRID + 0.0) }
     }
 
     /// The pose as a message.
@@ -54,7 +54,7 @@ impl StandingPose {
 }
 
 /// The pose of something; `None` once it is gone.
-pub type FramePlace = Option<StandingPose>;
+pub type FramePlace = Option<FramePose>;
 
 /// Something that moves in the frame of its device.
 pub struct Mover {
@@ -93,8 +93,8 @@ impl Mover {
 }
 
 /// `/tf`: all frames whenever one of them moves, since a viewer that jumps in time reads the last message only.
-/// `stands` are the frames of devices.
-pub fn topic(stands: &[(&str, StandingPose)], movers: &[Mover]) -> LogTopic {
+/// `devices` are the poses of their frames.
+pub fn topic(devices: &[(&str, FramePose)], movers: &[Mover]) -> LogTopic {
     let mut moves: BTreeMap<u64, Vec<(usize, FramePlace)>> = BTreeMap::new();
     for (index, mover) in movers.iter().enumerate() {
         for (t_ns, place) in &mover.places {
@@ -102,7 +102,7 @@ pub fn topic(stands: &[(&str, StandingPose)], movers: &[Mover]) -> LogTopic {
         }
     }
     // In long assays few of the many parts are present at a time.
-    let mut present: BTreeMap<usize, StandingPose> = BTreeMap::new();
+    let mut present: BTreeMap<usize, FramePose> = BTreeMap::new();
     let mut messages = Vec::new();
     for (t_ns, moved) in moves {
         for (index, place) in moved {
@@ -112,8 +112,8 @@ pub fn topic(stands: &[(&str, StandingPose)], movers: &[Mover]) -> LogTopic {
             };
         }
         let of_device =
-            |(device, stand): &(&str, StandingPose)| transform(t_ns, WORLD.to_owned(), (*device).to_owned(), *stand);
-        let standing = stands.iter().map(of_device);
+            |(device, pose): &(&str, FramePose)| transform(t_ns, WORLD.to_owned(), (*device).to_owned(), *pose);
+        let standing = devices.iter().map(of_device);
         let moving = present.iter().map(|(index, place)| {
             let mover = &movers[*index];
             transform(t_ns, mover.device.clone(), mover.frame.clone(), *place)
@@ -124,12 +124,12 @@ pub fn topic(stands: &[(&str, StandingPose)], movers: &[Mover]) -> LogTopic {
     LogTopic::new::<FrameTransforms>("/tf", messages)
 }
 
-fn transform(t_ns: u64, parent_frame_id: String, child_frame_id: String, stand: StandingPose) -> FrameTransform {
+fn transform(t_ns: u64, parent_frame_id: String, child_frame_id: String, pose: FramePose) -> FrameTransform {
     FrameTransform {
         timestamp: foxglove::timestamp(t_ns),
         parent_frame_id,
         child_frame_id,
-        translation: Some(stand.translation()),
-        rotation: Some(stand.rotation()),
+        translation: Some(pose.translation()),
+        rotation: Some(pose.rotation()),
     }
 }

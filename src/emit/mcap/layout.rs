@@ -5,7 +5,7 @@
 
 use super::foxglove::PointCloud;
 use super::frames::Mover;
-use super::{LogTopic, PictureBench, pictures};
+use super::{LogTopic, LoggedDevice, pictures};
 use crate::log::{BOUND_SUFFIX, PERIOD_SUFFIX};
 use crate::verify::Verified;
 use prost::Message as _;
@@ -30,14 +30,14 @@ const INSET_PART: f64 = 0.15;
 /// The bytes of the file.
 pub(super) fn write(verified: &Verified, topics: &[LogTopic], movers: &[Mover]) -> Vec<u8> {
     let mut panels = Panels::default();
-    let benches = PictureBench::all(verified);
+    let devices = LoggedDevice::all(verified);
     let mut views = Vec::new();
-    for bench in benches.iter().take(MAX_DEVICES) {
-        let Some(scene) = SceneBox::of(topics, bench.device) else { continue };
-        let tilt_deg = pictures(&bench.job.order).tilt_deg();
-        let shown = scenes(topics, bench.device);
-        views.push(panels.add("3D", view(bench.device, scene.middle, scene.size, tilt_deg, &shown)));
-        if let Some(mover) = movers.iter().find(|mover: &&Mover| mover.device == bench.device) {
+    for device in devices.iter().take(MAX_DEVICES) {
+        let Some(scene) = SceneBox::of(topics, device.name) else { continue };
+        let tilt_deg = pictures(&device.job.order).tilt_deg();
+        let shown = scenes(topics, device.name);
+        views.push(panels.add("3D", view(device.name, scene.middle, scene.size, tilt_deg, &shown)));
+        if let Some(mover) = movers.iter().find(|mover: &&Mover| mover.device == device.name) {
             views.push(panels.add("3D", view(&mover.frame, [0.0; 3], scene.size * INSET_PART, tilt_deg, &shown)));
         }
     }
@@ -195,7 +195,7 @@ mod tests {
             let layout: Value = serde_json::from_slice(&write(&verified, &topics, &movers)).unwrap();
             let names: BTreeSet<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
             let views = views(&layout);
-            assert_eq!(views.len(), 2 * PictureBench::all(&verified).len(), "a view and a small one for each device");
+            assert_eq!(views.len(), 2 * LoggedDevice::all(&verified).len(), "a view and a small one for each device");
             for view in views {
                 assert!(view["topics"].as_object().unwrap().keys().all(|name| names.contains(name.as_str())));
                 let frame = view["followTf"].as_str().unwrap();

@@ -12,8 +12,8 @@
 //! A micrometre would be a dot in a viewer whose unit is the metre, so pictures are enlarged: one unit is one
 //! micrometre, for every device.
 
-pub(super) mod bench;
 pub(super) mod cloud;
+pub(super) mod devices;
 mod difference;
 pub(super) mod drawing;
 pub(super) mod foxglove;
@@ -37,7 +37,7 @@ use crate::source::MAX_FILE_BYTES;
 use crate::verify::Verified;
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records};
-use bench::PictureBench;
+use devices::LoggedDevice;
 use frames::Mover;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -194,15 +194,15 @@ fn topics_and_movers(verified: &Verified, signals: &Signals) -> (Vec<LogTopic>, 
     for (device, unit, channels) in signals.devices() {
         topics.push(voltages::topic(signals, device, unit, &channels));
     }
-    let benches = PictureBench::all(verified);
+    let devices = LoggedDevice::all(verified);
     let mut movers = Vec::new();
-    for bench in &benches {
-        let (own, moving) = pictures(&bench.job.order).topics(verified, signals, bench.device);
+    for device in &devices {
+        let (own, moving) = pictures(&device.job.order).topics(verified, signals, device.name);
         topics.extend(own);
         movers.extend(moving);
     }
     topics.extend(movers.iter().filter(|mover| !mover.outline.is_empty()).take(MAX_OUTLINES).filter_map(Mover::points));
-    topics.push(bench::frames(&benches, &movers));
+    topics.push(devices::frames(&devices, &movers));
     topics.push(lines::topic(verified));
     (topics, movers)
 }

@@ -6,8 +6,8 @@
 //! `/bot/voltages.bl4_set`; beyond that they are one list, `/plate/voltages.volts[7]`. The topic's metadata map each
 //! field to its channel and wire. Every message contains all channels, since a missing field reads as 0 V. At 1 ns
 //! before a jump the old values are repeated, so that lines between messages are the signal itself. All values are also
-//! repeated at [`BEATS`], since viewers draw only a few points per pixel and would join the levels of a rarely logged
-//! signal by slopes.
+//! repeated at [`resample_instants`], since viewers draw only a few points per pixel and would join the levels of a
+//! rarely logged signal by slopes.
 //!
 //! A channel with drive trains would need a message for every edge, so it has two fields, `/bed/voltages.bed_low` and
 //! `…bed_high`: the lower and the higher level of the current train, and the same value twice outside trains. The
@@ -30,16 +30,17 @@ pub const MAX_FIELDS: usize = 300;
 const MAX_NAME_BYTES: usize = 16 * 1024;
 
 /// Number of equal parts of the schedule at whose ends all values are repeated: about one per pixel of a plot.
-pub const BEATS: u64 = 1000;
+pub const RESAMPLE_STEPS: u64 = 1000;
 
 /// The instants at which values are repeated.
-pub fn beats(duration_ns: u64) -> impl Iterator<Item = u64> {
-    (0..=BEATS).map(move |beat| (u128::from(duration_ns) * u128::from(beat) / u128::from(BEATS)) as u64)
+pub fn resample_instants(duration_ns: u64) -> impl Iterator<Item = u64> {
+    (0..=RESAMPLE_STEPS)
+        .map(move |step| (u128::from(duration_ns) * u128::from(step) / u128::from(RESAMPLE_STEPS)) as u64)
 }
 
-/// Repeats held values at the beats.
-pub fn repeat_held(levels: &mut BTreeMap<u64, Vec<f64>>, duration_ns: u64) {
-    for t_ns in beats(duration_ns) {
+/// Repeats held values at those instants.
+pub fn repeat_values(levels: &mut BTreeMap<u64, Vec<f64>>, duration_ns: u64) {
+    for t_ns in resample_instants(duration_ns) {
         if let Some((_, values)) = levels.range(..=t_ns).next_back() {
             let values = values.clone();
             levels.entry(t_ns).or_insert(values);
@@ -76,7 +77,7 @@ fn columns(signals: &Signals, channels: &[usize]) -> Vec<MessageColumn> {
 /// Estimated bytes of all messages.
 pub fn estimated_bytes(signals: &Signals) -> u64 {
     let of_device = |channels: &[usize]| {
-        let messages = 2 * signals.breaks(channels.iter().copied()).len() as u64 + BEATS + 2;
+        let messages = 2 * signals.breaks(channels.iter().copied()).len() as u64 + RESAMPLE_STEPS + 2;
         messages * (columns(signals, channels).len() as u64 * 10 + 31)
     };
     signals.devices().iter().map(|(.., channels)| of_device(channels)).sum()
@@ -175,8 +176,8 @@ fn messages(
 ) -> Vec<(u64, Vec<u8>)> {
     let breaks = signals.breaks(channels.iter().copied());
     let before = breaks.iter().filter_map(|t_ns| t_ns.checked_sub(1));
-    let beats = beats(signals.schedule.duration_ns);
-    let times: BTreeSet<u64> = breaks.iter().copied().chain(before).chain(beats).collect();
+    let repeated = resample_instants(signals.schedule.duration_ns);
+    let times: BTreeSet<u64> = breaks.iter().copied().chain(before).chain(repeated).collect();
     let mut cursors: Vec<(SignalCursor, Bound)> =
         columns.iter().map(|column| (SignalCursor::new(signals, column.channel), column.bound)).collect();
     let mut values = Vec::with_capacity(columns.len());

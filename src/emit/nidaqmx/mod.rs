@@ -17,7 +17,7 @@
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::parts::played;
+use super::hold_parts::played;
 use super::sampling::{SampleLimits, Sampling};
 use super::wired::WiredInstrument;
 use super::{Format, Signals};

@@ -27,7 +27,7 @@ mod description;
 mod sequence;
 
 use super::error::EmitError;
-use super::parts::{self, listing as holds_listing};
+use super::hold_parts::{self, listing as holds_listing};
 use super::sampling::{SampleLimits, Sampling};
 use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
@@ -141,7 +141,7 @@ fn sender(schedule: &Schedule, plays: &[serde_json::Value]) -> String {
         "instruments": plays,
         "holds": holds_listing(schedule),
     });
-    parts::sender(SENDER, &listing)
+    hold_parts::sender(SENDER, &listing)
 }
 
 /// A waveform generator with the signals of its outputs.

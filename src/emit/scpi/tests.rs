@@ -45,7 +45,7 @@ fn a_script_begins_and_ends_at_zero_and_puts_every_edge_on_a_sample() {
     let notes = String::from_utf8(notes).unwrap();
     assert!(notes.contains("ch1\t0\t0.4\tbot.bl0.set\tamplifier x 50\t0.000305 V\tDev1/port0/line0\n"), "{notes}");
     let program = String::from_utf8(program).unwrap();
-    assert!(program.contains("\"file\": \"fetch.awg.scpi\"") && !program.contains(parts::PLAYS), "{program}");
+    assert!(program.contains("\"file\": \"fetch.awg.scpi\"") && !program.contains(hold_parts::PLAYS), "{program}");
 }
 
 #[test]

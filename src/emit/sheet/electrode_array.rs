@@ -7,7 +7,7 @@ use crate::claims::electrode_array::{
     ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{ElectrodeCell, Electrodes, droplets};
-use crate::emit::electrode_array::course::at_chosen_places;
+use crate::emit::electrode_array::motion::at_chosen_places;
 use crate::quantity::{Dimension, Quantity, fraction};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Schedule, ScheduledOperation, ScheduledStep, State, TimedState};

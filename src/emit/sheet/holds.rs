@@ -12,7 +12,7 @@ pub(super) fn rows(verified: &Verified) -> impl Iterator<Item = SheetRow<'_>> {
         let device = verified.claims().jobs.get(step.plan as usize)?.device.as_str();
         let times = [hold.start_ns, hold.end_ns()];
         let end = if hold.terms.is_bounded { "at the latest" } else { "at the answer" };
-        Some(SheetRow { times, end: format!("{} {end}", time(times[1])), device, text: asked(hold) })
+        Some(SheetRow { times, end: format!("{} {end}", time(times[1])), device, text: hold_text(hold) })
     })
 }
 
@@ -37,7 +37,7 @@ pub(super) fn of_times(holds: &[ScheduledHold]) -> Option<String> {
 }
 
 /// `**put the lid on**, until it is answered`
-fn asked(hold: &ScheduledHold) -> String {
+fn hold_text(hold: &ScheduledHold) -> String {
     let until = match hold.terms.is_bounded {
         true => format!("at most {}", time(hold.terms.duration_ns)),
         false => "until it is answered".to_owned(),
@@ -80,7 +80,7 @@ mod tests {
             (prompt(""), false, "waits for an answer, until it is answered"),
             (input, true, "waits for card.port0.line5 to be low, at most 1 s"),
         ] {
-            assert_eq!(asked(&hold(awaited, is_bounded)), expected);
+            assert_eq!(hold_text(&hold(awaited, is_bounded)), expected);
         }
     }
 

@@ -15,7 +15,7 @@
 
 use super::csv::one_line;
 use super::error::{EmitError, MAX_TEXT_BYTES};
-use super::parts::played;
+use super::hold_parts::played;
 use super::sampling::SAMPLE_UM;
 use super::wired::WiredInstrument;
 use super::{Format, Signals};
@@ -41,7 +41,7 @@ const PARTS_OF_UM: f64 = 1e6;
 /// The files, each with its ending.
 ///
 /// # Errors
-/// [`EmitError::NotWired`], [`EmitError::Leap`], [`EmitError::Unsayable`], [`EmitError::TooLongForTable`],
+/// [`EmitError::NotWired`], [`EmitError::Jump`], [`EmitError::Unsupported`], [`EmitError::TooLongForTable`],
 /// [`EmitError::TooLarge`].
 pub(super) fn write(schedule: &Schedule, claims: &Claims) -> Result<Vec<(String, Vec<u8>)>, EmitError> {
     played(schedule, Format::Stages, Family::StageController, "controllers", SENDER, |wired, number| {
@@ -71,7 +71,7 @@ impl<'a> StageTables<'a> {
     ) -> Result<StageTables<'a>, EmitError> {
         refuse_several(wired, facts)?;
         let signals = Signals::new(&wired.schedule);
-        EmitError::refuse_leaps(Format::Stages, &signals)?;
+        EmitError::refuse_jumps(Format::Stages, &signals)?;
         let numbers = wired.drives.iter().map(|drive| number_after("axis", &drive.output));
         let axes = numbers.enumerate().filter_map(|(channel, number)| Some((number?, channel))).collect();
         let mut controller = StageTables { wired, facts, signals, axes, every: 1 };
@@ -97,7 +97,11 @@ impl<'a> StageTables<'a> {
             let spare_um = claims.tolerance_um(&schedule.channels[*channel].device).unwrap_or(SAMPLE_UM) / 2.0;
             let limits = self.wired.drives[*channel].limits;
             let most = |change: f64| (spare_um - limits.rounding_um(change)) / cut_um(change, period_s);
-            schedule.turns(*channel).into_iter().map(|turn| most(turn.change_um_per_s)).fold(f64::INFINITY, f64::min)
+            schedule
+                .speed_jumps(*channel)
+                .into_iter()
+                .map(|jump| most(jump.change_um_per_s))
+                .fold(f64::INFINITY, f64::min)
         };
         self.axes.values().map(of_axis).fold(f64::INFINITY, f64::min).max(1.0) as u64
     }
@@ -191,7 +195,7 @@ impl<'a> StageTables<'a> {
 fn refuse_several(wired: &WiredInstrument, facts: &StageControllerFacts) -> Result<(), EmitError> {
     let is_alone = wired.is_alone && facts.start == Start::Sender;
     match facts.protocol {
-        StageProtocol::Mcs2 if !is_alone => Err(EmitError::Unsayable {
+        StageProtocol::Mcs2 if !is_alone => Err(EmitError::Unsupported {
             format: Format::Stages,
             what: format!(
                 "`{}` with other instruments: its streams start once enough of them has been sent",

@@ -81,7 +81,7 @@ fn stages_are_where_the_schedule_has_them_within_what_a_corner_is_cut() {
             let text = &tables[table];
             assert!(text.contains(&format!("{period_ns} ns")) && text.contains(&format!("is {name}, ")), "{text}");
             let rows = rows(text);
-            let sharpest = schedule.turns(channel).iter().map(|turn| turn.change_um_per_s).fold(0.0, f64::max);
+            let sharpest = schedule.speed_jumps(channel).iter().map(|jump| jump.change_um_per_s).fold(0.0, f64::max);
             let sign = if channel % 2 == 0 { 1.0 } else { -1.0 };
             for t_ns in (0..=schedule.duration_ns).step_by(9_973).chain(signals.breaks([channel])) {
                 let at_um = (between(&rows, axis, t_ns as f64 / period_ns) - 50.0) * sign;
@@ -141,8 +141,8 @@ fn what_a_controller_cannot_play_is_refused() {
     assert_eq!(code(on_controllers(fixture::hand(), &few)), Code::E0831, "streams that begin apart");
     let alone = StageControllerFacts { start: Start::Trigger, ..mcs2() };
     assert_eq!(code(on_controllers(fixture::hand(), &alone)), Code::E0831);
-    let leap = on_controllers(fixture::hand(), &gcs(1 << 20)).changed(|schedule| {
+    let jump = on_controllers(fixture::hand(), &gcs(1 << 20)).changed(|schedule| {
         schedule.actuations.iter_mut().take(1).for_each(|one| one.to += 1.0);
     });
-    assert_eq!(code(leap), Code::E0826);
+    assert_eq!(code(jump), Code::E0826);
 }

@@ -4,7 +4,7 @@
 //! One unit is one point, 1/72 of an inch. Guarantees: the output is well-formed XML whatever the texts, and no text
 //! covers another.
 
-use super::letters::{self, ASCENT, DESCENT};
+use super::text_width::{self, ASCENT, DESCENT};
 
 /// Points in a millimetre.
 pub const PT_PER_MM: f64 = 72.0 / 25.4;
@@ -89,7 +89,7 @@ impl PaperBox {
 
 /// Fill, stroke and opacity.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Ink {
+pub struct ShapeStyle {
     fill: Option<&'static str>,
     stroke: Option<&'static str>,
     width_pt: f64,
@@ -97,28 +97,28 @@ pub struct Ink {
     opacity: Option<f64>,
 }
 
-impl Ink {
-    pub fn filled(color: &'static str) -> Ink {
-        Ink { fill: Some(color), ..Ink::default() }
+impl ShapeStyle {
+    pub fn filled(color: &'static str) -> ShapeStyle {
+        ShapeStyle { fill: Some(color), ..ShapeStyle::default() }
     }
 
-    pub fn line(color: &'static str, width_pt: f64) -> Ink {
-        Ink { stroke: Some(color), width_pt, ..Ink::default() }
+    pub fn line(color: &'static str, width_pt: f64) -> ShapeStyle {
+        ShapeStyle { stroke: Some(color), width_pt, ..ShapeStyle::default() }
     }
 
     /// Adds a rim.
-    pub fn edged(self, color: &'static str, width_pt: f64) -> Ink {
-        Ink { stroke: Some(color), width_pt, ..self }
+    pub fn with_stroke(self, color: &'static str, width_pt: f64) -> ShapeStyle {
+        ShapeStyle { stroke: Some(color), width_pt, ..self }
     }
 
     /// Makes the line dashed.
-    pub fn dashed(self, dash: &'static str) -> Ink {
-        Ink { dash: Some(dash), ..self }
+    pub fn dashed(self, dash: &'static str) -> ShapeStyle {
+        ShapeStyle { dash: Some(dash), ..self }
     }
 
     /// Sets the opacity, from 0 to 1.
-    pub fn veiled(self, opacity: f64) -> Ink {
-        Ink { opacity: Some(opacity), ..self }
+    pub fn with_opacity(self, opacity: f64) -> ShapeStyle {
+        ShapeStyle { opacity: Some(opacity), ..self }
     }
 
     fn attributes(&self) -> String {
@@ -138,7 +138,7 @@ impl Ink {
 }
 
 /// Meaning of an element, for programs that read the picture: names of `data-` attributes with their values.
-pub type Facts<'a> = &'a [(&'a str, String)];
+pub type DataAttributes<'a> = &'a [(&'a str, String)];
 
 /// Horizontal anchor of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,31 +150,32 @@ pub enum Anchor {
 
 /// Font style of a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Letters {
+pub struct TextStyle {
     pub size_pt: f64,
     pub is_bold: bool,
     pub color: &'static str,
     pub anchor: Anchor,
 }
 
-impl Letters {
-    pub const SMALL: Letters = Letters { size_pt: TEXT_PT, is_bold: false, color: color::INK, anchor: Anchor::Start };
+impl TextStyle {
+    pub const SMALL: TextStyle =
+        TextStyle { size_pt: TEXT_PT, is_bold: false, color: color::INK, anchor: Anchor::Start };
 
-    pub fn bold(self) -> Letters {
-        Letters { is_bold: true, ..self }
+    pub fn bold(self) -> TextStyle {
+        TextStyle { is_bold: true, ..self }
     }
 
-    pub fn colored(self, color: &'static str) -> Letters {
-        Letters { color, ..self }
+    pub fn colored(self, color: &'static str) -> TextStyle {
+        TextStyle { color, ..self }
     }
 
-    pub fn anchored(self, anchor: Anchor) -> Letters {
-        Letters { anchor, ..self }
+    pub fn anchored(self, anchor: Anchor) -> TextStyle {
+        TextStyle { anchor, ..self }
     }
 
     /// Estimated width of a text.
     pub fn width_pt(&self, text: &str) -> f64 {
-        letters::width_em(text, self.is_bold) * self.size_pt
+        text_width::width_em(text, self.is_bold) * self.size_pt
     }
 
     /// The box of a text whose baseline starts, is centred, or ends at a point.
@@ -194,7 +195,7 @@ impl Letters {
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlacedLabel {
     pub text: String,
-    pub letters: Letters,
+    pub text_style: TextStyle,
     pub at: [f64; 2],
     /// Radius of the mark at the point.
     pub radius_pt: f64,
@@ -219,32 +220,32 @@ impl Drawing {
         self.body
     }
 
-    fn element(&mut self, name: &str, form: &str, ink: &Ink, facts: Facts) {
-        self.body.push_str(&format!("<{name} {form}{}", ink.attributes()));
-        self.facts(facts);
+    fn element(&mut self, name: &str, form: &str, style: &ShapeStyle, data: DataAttributes) {
+        self.body.push_str(&format!("<{name} {form}{}", style.attributes()));
+        self.data_attributes(data);
         self.body.push_str("/>\n");
     }
 
-    fn facts(&mut self, facts: Facts) {
-        for (name, value) in facts {
+    fn data_attributes(&mut self, data: DataAttributes) {
+        for (name, value) in data {
             self.body.push_str(&format!(" data-{name}=\"{}\"", escaped(value)));
         }
     }
 
     /// Begins a group; [`Drawing::close`] ends it.
-    pub fn open(&mut self, class: &str, facts: Facts) {
+    pub fn open(&mut self, class: &str, data: DataAttributes) {
         self.body.push_str(&format!("<g class=\"{class}\""));
-        self.facts(facts);
+        self.data_attributes(data);
         self.body.push_str(">\n");
     }
 
     /// Begins a group that is clipped to a box.
-    pub fn open_clipped(&mut self, class: &str, room: PaperBox, facts: Facts) {
+    pub fn open_clipped(&mut self, class: &str, room: PaperBox, data: DataAttributes) {
         self.clips += 1;
         let id = self.clips;
         self.body.push_str(&format!("<clipPath id=\"clip{id}\"><rect {}/></clipPath>\n", rectangle(room)));
         self.body.push_str(&format!("<g class=\"{class}\" clip-path=\"url(#clip{id})\""));
-        self.facts(facts);
+        self.data_attributes(data);
         self.body.push_str(">\n");
     }
 
@@ -253,26 +254,26 @@ impl Drawing {
     }
 
     /// A polyline.
-    pub fn line(&mut self, points: &[[f64; 2]], ink: Ink, facts: Facts) {
+    pub fn line(&mut self, points: &[[f64; 2]], style: ShapeStyle, data: DataAttributes) {
         if points.len() > 1 {
-            self.element("path", &format!("d=\"{}\"", path(points)), &ink, facts);
+            self.element("path", &format!("d=\"{}\"", path(points)), &style, data);
         }
     }
 
     /// A closed shape.
-    pub fn shape(&mut self, points: &[[f64; 2]], ink: Ink, facts: Facts) {
+    pub fn shape(&mut self, points: &[[f64; 2]], style: ShapeStyle, data: DataAttributes) {
         if !points.is_empty() {
-            self.element("path", &format!("d=\"{}Z\"", path(points)), &ink, facts);
+            self.element("path", &format!("d=\"{}Z\"", path(points)), &style, data);
         }
     }
 
-    pub fn rect(&mut self, room: PaperBox, ink: Ink, facts: Facts) {
-        self.element("rect", &rectangle(room), &ink, facts);
+    pub fn rect(&mut self, room: PaperBox, style: ShapeStyle, data: DataAttributes) {
+        self.element("rect", &rectangle(room), &style, data);
     }
 
-    pub fn disc(&mut self, [x, y]: [f64; 2], radius_pt: f64, ink: Ink, facts: Facts) {
+    pub fn disc(&mut self, [x, y]: [f64; 2], radius_pt: f64, style: ShapeStyle, data: DataAttributes) {
         let form = format!("cx=\"{}\" cy=\"{}\" r=\"{}\"", number(x), number(y), number(radius_pt));
-        self.element("circle", &form, &ink, facts);
+        self.element("circle", &form, &style, data);
     }
 
     /// Many dots of one diameter.
@@ -282,7 +283,7 @@ impl Drawing {
             form.push_str(&format!("M{} {}h0", number(x), number(y)));
         }
         if !form.is_empty() {
-            self.element("path", &format!("d=\"{form}\""), &Ink::line(color, diameter_pt), &[]);
+            self.element("path", &format!("d=\"{form}\""), &ShapeStyle::line(color, diameter_pt), &[]);
         }
     }
 
@@ -292,22 +293,22 @@ impl Drawing {
     }
 
     /// A text on its baseline.
-    pub fn text(&mut self, at: [f64; 2], text: &str, letters: Letters) {
+    pub fn text(&mut self, at: [f64; 2], text: &str, text_style: TextStyle) {
         if text.is_empty() {
             return;
         }
-        self.texts.push(letters.room(text, at));
-        let anchor = match letters.anchor {
+        self.texts.push(text_style.room(text, at));
+        let anchor = match text_style.anchor {
             Anchor::Start => "",
             Anchor::Middle => " text-anchor=\"middle\"",
             Anchor::End => " text-anchor=\"end\"",
         };
-        let weight = if letters.is_bold { " font-weight=\"bold\"" } else { "" };
-        let (x, y, size) = (number(at[0]), number(at[1]), number(letters.size_pt));
+        let weight = if text_style.is_bold { " font-weight=\"bold\"" } else { "" };
+        let (x, y, size) = (number(at[0]), number(at[1]), number(text_style.size_pt));
         self.body.push_str(&format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"{anchor}{weight}"));
         // A rim in the colour of paper keeps it readable on lines.
         self.body.push_str(" stroke=\"#ffffff\" stroke-width=\"1.5\" stroke-linejoin=\"round\" paint-order=\"stroke\"");
-        self.body.push_str(&format!(" fill=\"{}\">{}</text>\n", letters.color, escaped(text)));
+        self.body.push_str(&format!(" fill=\"{}\">{}</text>\n", text_style.color, escaped(text)));
     }
 
     /// A text for [`Drawing::place_labels`] to place.
@@ -320,7 +321,7 @@ impl Drawing {
         let mut left_out = 0;
         for label in std::mem::take(&mut self.waiting) {
             match self.free_place(&label, room) {
-                Some(at) => self.text(at, &label.text, Letters { anchor: Anchor::Middle, ..label.letters }),
+                Some(at) => self.text(at, &label.text, TextStyle { anchor: Anchor::Middle, ..label.text_style }),
                 None => left_out += 1,
             }
         }
@@ -330,17 +331,20 @@ impl Drawing {
 
     /// A free middle point for the baseline of a label.
     fn free_place(&self, label: &PlacedLabel, room: PaperBox) -> Option<[f64; 2]> {
-        let letters = Letters { anchor: Anchor::Middle, ..label.letters };
+        let text_style = TextStyle { anchor: Anchor::Middle, ..label.text_style };
         let is_free = |at: &[f64; 2]| {
-            let own = letters.room(&label.text, *at);
+            let own = text_style.room(&label.text, *at);
             let spaced = PaperBox { left: own.left - SPACE_PT, right: own.right + SPACE_PT, ..own };
             room.holds(&own) && !self.texts.iter().any(|text| text.meets(&spaced))
         };
         let is_clear = |at: &[f64; 2]| {
-            let own = letters.room(&label.text, *at);
+            let own = text_style.room(&label.text, *at);
             // The box of a text has room above small letters.
-            let seen =
-                PaperBox { top: own.top + 0.15 * letters.size_pt, bottom: own.bottom - 0.15 * letters.size_pt, ..own };
+            let seen = PaperBox {
+                top: own.top + 0.15 * text_style.size_pt,
+                bottom: own.bottom - 0.15 * text_style.size_pt,
+                ..own
+            };
             !self.marks.iter().any(|mark| mark.meets(&seen))
         };
         let places = around(label);
@@ -360,7 +364,7 @@ const GAPS_PT: [f64; 3] = [1.0, 4.0, 8.0];
 /// Candidate positions of a label, best first.
 fn around(label: &PlacedLabel) -> Vec<[f64; 2]> {
     let [x, y] = label.at;
-    let (half_width, size) = (label.letters.width_pt(&label.text) / 2.0, label.letters.size_pt);
+    let (half_width, size) = (label.text_style.width_pt(&label.text) / 2.0, label.text_style.size_pt);
     // From the baseline to the middle of a digit, and half of its height.
     let (lift, half_height) = (0.36 * size, 0.36 * size);
     let mut places = if label.may_cover { vec![[x, y + lift]] } else { Vec::new() };
@@ -414,8 +418,9 @@ impl PaperView {
         places.into_iter().map(|place| self.at(place)).collect()
     }
 
-    /// The mapping as facts: `x` on paper is `left` + `scale` times x of the scene, `y` is `base` - `scale` times y.
-    pub fn facts(&self) -> [(&'static str, String); 3] {
+    /// The mapping as data attributes: `x` on paper is `left` + `scale` times x of the scene, `y` is `base` - `scale`
+    /// times y.
+    pub fn data_attributes(&self) -> [(&'static str, String); 3] {
         let exact = |value: f64| format!("{value:.9}");
         [("scale", exact(self.scale)), ("left", exact(self.left_pt)), ("base", exact(self.base_pt))]
     }

@@ -1,7 +1,9 @@
 //! Legend of a picture, and its scale bars.
 
-use super::drawing::{Anchor, Drawing, Ink, LINE_PT, Letters, PaperBox, PaperView, TEXT_PT, THIN_PT, color, decimal};
-use super::{letters, strobe};
+use super::drawing::{
+    Anchor, Drawing, LINE_PT, PaperBox, PaperView, ShapeStyle, TEXT_PT, THIN_PT, TextStyle, color, decimal,
+};
+use super::{strobe, text_width};
 use crate::real::Real;
 
 /// Width of a mark in the legend, with the gap to its text.
@@ -18,7 +20,7 @@ const BAR_PT: f64 = 14.0;
 
 /// Symbol of an entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum KeyForm {
+pub enum LegendSymbol {
     Line,
     Disc,
     Box,
@@ -26,38 +28,38 @@ pub enum KeyForm {
 
 /// An entry of the legend.
 #[derive(Debug, Clone, PartialEq)]
-pub struct KeyEntry {
-    pub form: KeyForm,
-    pub ink: Ink,
+pub struct LegendEntry {
+    pub symbol: LegendSymbol,
+    pub style: ShapeStyle,
     pub text: String,
 }
 
 /// Legend content of one panel.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct PanelKey {
-    pub entries: Vec<KeyEntry>,
+pub struct PanelLegend {
+    pub entries: Vec<LegendEntry>,
     /// Lines right below the panel.
     pub under: Vec<String>,
     /// Lines below the whole picture, each once.
     pub notes: Vec<String>,
 }
 
-impl PanelKey {
-    pub fn add(&mut self, form: KeyForm, ink: Ink, text: impl Into<String>) {
-        self.entries.push(KeyEntry { form, ink, text: text.into() });
+impl PanelLegend {
+    pub fn add(&mut self, symbol: LegendSymbol, style: ShapeStyle, text: impl Into<String>) {
+        self.entries.push(LegendEntry { symbol, style, text: text.into() });
     }
 }
 
 /// Draws the entries and notes of all panels from the top of a box; returns the height at which they end.
-pub fn draw(keys: &[PanelKey], more: &[String], inside: PaperBox, to: &mut Drawing) -> f64 {
-    let mut entries: Vec<&KeyEntry> = Vec::new();
-    for entry in keys.iter().flat_map(|key| &key.entries) {
+pub fn draw(legends: &[PanelLegend], more: &[String], inside: PaperBox, to: &mut Drawing) -> f64 {
+    let mut entries: Vec<&LegendEntry> = Vec::new();
+    for entry in legends.iter().flat_map(|legend| &legend.entries) {
         if !entries.contains(&entry) {
             entries.push(entry);
         }
     }
     let mut notes: Vec<&String> = Vec::new();
-    for note in keys.iter().flat_map(|key| &key.notes).chain(more) {
+    for note in legends.iter().flat_map(|legend| &legend.notes).chain(more) {
         if !notes.contains(&note) {
             notes.push(note);
         }
@@ -67,35 +69,35 @@ pub fn draw(keys: &[PanelKey], more: &[String], inside: PaperBox, to: &mut Drawi
     to.open("legend", &[]);
     for entry in entries {
         let most_em = (inside.right - inside.left - MARK_PT) / TEXT_PT;
-        let text = letters::cut(&entry.text, most_em, false);
-        let width_pt = MARK_PT + Letters::SMALL.width_pt(&text);
+        let text = text_width::cut(&entry.text, most_em, false);
+        let width_pt = MARK_PT + TextStyle::SMALL.width_pt(&text);
         if left > inside.left && left + width_pt > inside.right {
             left = inside.left;
             top_pt += LINE_PT + 1.0;
         }
         mark(entry, [left, top_pt], to);
-        to.text([left + MARK_PT, top_pt + TEXT_PT - 1.0], &text, Letters::SMALL);
+        to.text([left + MARK_PT, top_pt + TEXT_PT - 1.0], &text, TextStyle::SMALL);
         left += width_pt + APART_PT;
     }
     if left > inside.left {
         top_pt += LINE_PT;
     }
-    for line in notes.iter().flat_map(|note| letters::wrapped(note, (inside.right - inside.left) / TEXT_PT, false)) {
-        to.text([inside.left, top_pt + TEXT_PT - 1.0], &line, Letters::SMALL.colored(color::SOFT));
+    for line in notes.iter().flat_map(|note| text_width::wrapped(note, (inside.right - inside.left) / TEXT_PT, false)) {
+        to.text([inside.left, top_pt + TEXT_PT - 1.0], &line, TextStyle::SMALL.colored(color::SOFT));
         top_pt += LINE_PT;
     }
     to.close();
     top_pt
 }
 
-fn mark(entry: &KeyEntry, [left, top]: [f64; 2], to: &mut Drawing) {
+fn mark(entry: &LegendEntry, [left, top]: [f64; 2], to: &mut Drawing) {
     let middle = [left + 5.0, top + 3.5];
-    match entry.form {
-        KeyForm::Line => to.line(&[[left, middle[1]], [left + 10.0, middle[1]]], entry.ink, &[]),
-        KeyForm::Disc => to.disc(middle, 2.6, entry.ink, &[]),
-        KeyForm::Box => {
+    match entry.symbol {
+        LegendSymbol::Line => to.line(&[[left, middle[1]], [left + 10.0, middle[1]]], entry.style, &[]),
+        LegendSymbol::Disc => to.disc(middle, 2.6, entry.style, &[]),
+        LegendSymbol::Box => {
             let room = PaperBox { left: left + 1.0, right: left + 9.0, top: top + 0.8, bottom: top + 6.2 };
-            to.rect(room, entry.ink, &[]);
+            to.rect(room, entry.style, &[]);
         }
     }
 }
@@ -106,11 +108,11 @@ pub fn scale_bar(view: &PaperView, unit_um: f64, room: PaperBox, to: &mut Drawin
     let longest_um = LONGEST * (room.right - room.left) / pt_per_um;
     let length_um = round_length(longest_um);
     let (y, end) = (room.bottom + 8.0, room.left + length_um * pt_per_um);
-    let facts = [("length-um", decimal(length_um, 9))];
-    to.open("scale", &facts);
+    let data = [("length-um", decimal(length_um, 9))];
+    to.open("scale", &data);
     let ends = [[room.left, y - 2.0], [room.left, y], [end, y], [end, y - 2.0]];
-    to.line(&ends, Ink::line(color::INK, THIN_PT), &[]);
-    to.text([end + 4.0, y], &strobe::length(length_um), Letters::SMALL.anchored(Anchor::Start));
+    to.line(&ends, ShapeStyle::line(color::INK, THIN_PT), &[]);
+    to.text([end + 4.0, y], &strobe::length(length_um), TextStyle::SMALL.anchored(Anchor::Start));
     to.close();
     room.bottom + BAR_PT
 }

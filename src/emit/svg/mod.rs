@@ -7,11 +7,11 @@
 
 pub(super) mod drawing;
 pub(super) mod legend;
-pub(super) mod letters;
 pub(super) mod scenery;
 pub(super) mod strobe;
 #[cfg(test)]
 mod tests;
+pub(super) mod text_width;
 
 use super::error::MAX_TEXT_BYTES;
 use super::{EmitError, Format, Signals};
@@ -21,9 +21,9 @@ use crate::quantity::count;
 use crate::schedule::cost::cost;
 use crate::verify::Verified;
 use drawing::{
-    Anchor, Drawing, LINE_PT, Letters, PT_PER_MM, PaperBox, PaperView, TEXT_PT, TITLE_PT, color, escaped, number,
+    Anchor, Drawing, LINE_PT, PT_PER_MM, PaperBox, PaperView, TEXT_PT, TITLE_PT, TextStyle, color, escaped, number,
 };
-use legend::PanelKey;
+use legend::PanelLegend;
 
 /// Width of a picture: one column of a paper, or both.
 const COLUMN_MM: f64 = 85.0;
@@ -74,7 +74,7 @@ pub(super) trait Panel {
     }
 
     /// Draws the scene; returns its legend.
-    fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelKey;
+    fn draw(&self, view: &PaperView, to: &mut Drawing) -> PanelLegend;
 
     /// Draws below the scene, from a height on, within the width of a box; returns the height at which that ends.
     fn draw_foot(&self, _room: PaperBox, top_pt: f64, _to: &mut Drawing) -> f64 {
@@ -129,15 +129,15 @@ fn composed(verified: &Verified, moment_ns: Option<u64>, panels: &[Box<dyn Panel
     let inside = PaperBox { left: MARGIN_PT, top: MARGIN_PT, right: width_pt - MARGIN_PT, bottom: f64::INFINITY };
     let mut to = Drawing::default();
     let mut top_pt = heading(verified, moment_ns, inside, &mut to);
-    let mut keys = Vec::new();
+    let mut legends = Vec::new();
     for row_of in rows(shown, row) {
         let mut bottom_pt = top_pt;
         let mut left = inside.left;
         let width = (inside.right - inside.left + GAP_PT) / row;
         for panel in row_of {
             let right = left + width * panel.share() - GAP_PT;
-            let (key, end_pt) = draw_panel(panel, PaperBox { left, right, top: top_pt, ..inside }, &mut to);
-            keys.push(key);
+            let (legend, end_pt) = draw_panel(panel, PaperBox { left, right, top: top_pt, ..inside }, &mut to);
+            legends.push(legend);
             bottom_pt = bottom_pt.max(end_pt);
             left = right + GAP_PT;
         }
@@ -147,7 +147,7 @@ fn composed(verified: &Verified, moment_ns: Option<u64>, panels: &[Box<dyn Panel
     if shown.len() < panels.len() {
         notes.push(format!("{} of {} panels are drawn", shown.len(), panels.len()));
     }
-    let height_pt = legend::draw(&keys, &notes, PaperBox { top: top_pt, ..inside }, &mut to) + MARGIN_PT;
+    let height_pt = legend::draw(&legends, &notes, PaperBox { top: top_pt, ..inside }, &mut to) + MARGIN_PT;
     document(verified, [width_mm, width_pt, height_pt], &to.into_body())
 }
 
@@ -177,10 +177,10 @@ fn heading(verified: &Verified, moment_ns: Option<u64>, inside: PaperBox, to: &m
         None => format!("{lasts}, verified"),
     };
     let mut top_pt = inside.top + TITLE_PT;
-    let title = Letters { size_pt: TITLE_PT, ..Letters::SMALL.bold() };
-    let right = Letters::SMALL.colored(color::SOFT).anchored(Anchor::End);
+    let title = TextStyle { size_pt: TITLE_PT, ..TextStyle::SMALL.bold() };
+    let right = TextStyle::SMALL.colored(color::SOFT).anchored(Anchor::End);
     let room_pt = width_pt - right.width_pt(&lasts) - GAP_PT;
-    to.text([inside.left, top_pt], &letters::cut(&schedule.name, room_pt / TITLE_PT, true), title);
+    to.text([inside.left, top_pt], &text_width::cut(&schedule.name, room_pt / TITLE_PT, true), title);
     to.text([inside.right, top_pt], &lasts, right);
     top_pt += 2.0;
     let runs = schedule.plans.iter().zip(&verified.claims().jobs);
@@ -190,22 +190,22 @@ fn heading(verified: &Verified, moment_ns: Option<u64>, inside: PaperBox, to: &m
     if schedule.plans.len() > MAX_COSTS {
         lines.push(format!("and {} more runs", schedule.plans.len() - MAX_COSTS));
     }
-    for line in lines.iter().flat_map(|line| letters::wrapped(line, width_pt / TEXT_PT, false)) {
+    for line in lines.iter().flat_map(|line| text_width::wrapped(line, width_pt / TEXT_PT, false)) {
         top_pt += LINE_PT;
-        to.text([inside.left, top_pt], &line, Letters::SMALL);
+        to.text([inside.left, top_pt], &line, TextStyle::SMALL);
     }
     top_pt + 6.0
 }
 
 /// Draws a panel with its title, foot and notes from the top of a box; returns its legend and the height at which it
 /// ends.
-fn draw_panel(panel: &dyn Panel, inside: PaperBox, to: &mut Drawing) -> (PanelKey, f64) {
+fn draw_panel(panel: &dyn Panel, inside: PaperBox, to: &mut Drawing) -> (PanelLegend, f64) {
     let width_pt = inside.right - inside.left;
-    let title = letters::cut(&panel.title(), width_pt / TEXT_PT, true);
+    let title = text_width::cut(&panel.title(), width_pt / TEXT_PT, true);
     let mut top_pt = inside.top;
     if !title.is_empty() {
         top_pt += TEXT_PT;
-        to.text([inside.left, top_pt], &title, Letters::SMALL.bold());
+        to.text([inside.left, top_pt], &title, TextStyle::SMALL.bold());
         top_pt += 4.0;
     }
     let [low, high] = panel.extent();
@@ -213,22 +213,22 @@ fn draw_panel(panel: &dyn Panel, inside: PaperBox, to: &mut Drawing) -> (PanelKe
     let height_pt = width_pt * shape.clamp(FLATTEST, TALLEST);
     let room = PaperBox { top: top_pt, bottom: top_pt + height_pt, ..inside };
     let view = PaperView::fitted([low, high], room);
-    let mut facts = vec![("unit-um", drawing::decimal(panel.unit_um(), 6))];
-    facts.extend(view.facts());
-    to.open_clipped("scene", room, &facts);
-    let mut key = panel.draw(&view, to);
+    let mut data = vec![("unit-um", drawing::decimal(panel.unit_um(), 6))];
+    data.extend(view.data_attributes());
+    to.open_clipped("scene", room, &data);
+    let mut legend = panel.draw(&view, to);
     to.close();
     let left_out = to.place_labels(room);
     if left_out > 0 {
-        key.notes.push(format!("{} left out for want of room", count(left_out, "label")));
+        legend.notes.push(format!("{} left out for want of room", count(left_out, "label")));
     }
     let mut bottom_pt = legend::scale_bar(&view, panel.unit_um(), room, to);
     bottom_pt = panel.draw_foot(room, bottom_pt, to);
-    for line in key.under.iter().flat_map(|line| letters::wrapped(line, width_pt / TEXT_PT, false)) {
+    for line in legend.under.iter().flat_map(|line| text_width::wrapped(line, width_pt / TEXT_PT, false)) {
         bottom_pt += LINE_PT;
-        to.text([inside.left, bottom_pt], &line, Letters::SMALL.colored(color::SOFT));
+        to.text([inside.left, bottom_pt], &line, TextStyle::SMALL.colored(color::SOFT));
     }
-    (key, bottom_pt + GAP_PT)
+    (legend, bottom_pt + GAP_PT)
 }
 
 /// The whole document.
@@ -237,7 +237,7 @@ fn document(verified: &Verified, [width_mm, width_pt, height_pt]: [f64; 3], body
     let size = format!("width=\"{}mm\" height=\"{}mm\"", number(width_mm), number(height_pt / PT_PER_MM));
     let view = format!("viewBox=\"0 0 {} {}\"", number(width_pt), number(height_pt));
     let name = escaped(&schedule.name);
-    let fonts = letters::FONTS;
+    let fonts = text_width::FONTS;
     let background =
         format!("<rect width=\"{}\" height=\"{}\" fill=\"#ffffff\"/>", number(width_pt), number(height_pt));
     format!(

@@ -1,6 +1,6 @@
 //! Drawing shared by the pictures of all kinds: obstacles, names, numbers, and paths limited to what paper shows.
 
-use super::drawing::{Drawing, HAIR_PT, Ink, Letters, PaperView, PlacedLabel};
+use super::drawing::{Drawing, HAIR_PT, PaperView, PlacedLabel, ShapeStyle, TextStyle};
 use super::strobe::ranges;
 use crate::geometry::{Core, Pose, Shape};
 use crate::real::Real;
@@ -108,24 +108,24 @@ pub fn between<T>(places: &[(u64, T)], t_ns: u64, place: impl Fn(&T) -> [f64; 2]
 pub fn solid(shape: &Shape, pose: &Pose, growth_um: f64, color: &'static str, view: &PaperView, to: &mut Drawing) {
     let Ok(body) = shape.grown(pose, growth_um) else { return };
     let radius_pt = body.radius_um * view.scale;
-    let wide = Ink::filled(color).edged(color, 2.0 * radius_pt);
+    let wide = ShapeStyle::filled(color).with_stroke(color, 2.0 * radius_pt);
     let points = |points: &[Point2<f64>]| view.all(points.iter().map(|point| [point.x, point.y]));
     match &body.core {
-        Core::Point(point) => to.disc(view.at([point.x, point.y]), radius_pt.max(0.8), Ink::filled(color), &[]),
-        Core::Segment(ends) => to.line(&points(ends), Ink::line(color, (2.0 * radius_pt).max(HAIR_PT)), &[]),
+        Core::Point(point) => to.disc(view.at([point.x, point.y]), radius_pt.max(0.8), ShapeStyle::filled(color), &[]),
+        Core::Segment(ends) => to.line(&points(ends), ShapeStyle::line(color, (2.0 * radius_pt).max(HAIR_PT)), &[]),
         Core::Polygon(corners) if radius_pt > 0.0 => to.shape(&points(corners), wide, &[]),
-        Core::Polygon(corners) => to.shape(&points(corners), Ink::filled(color), &[]),
+        Core::Polygon(corners) => to.shape(&points(corners), ShapeStyle::filled(color), &[]),
     }
 }
 
 /// The name of an object, on it or beside it.
 pub fn name(name: &str, at: [f64; 2]) -> PlacedLabel {
-    PlacedLabel { text: name.to_owned(), letters: Letters::SMALL, at, radius_pt: 2.0, may_cover: true }
+    PlacedLabel { text: name.to_owned(), text_style: TextStyle::SMALL, at, radius_pt: 2.0, may_cover: true }
 }
 
 /// The strobe numbers of a place.
 pub fn numbers(numbers: &[usize], at: [f64; 2], radius_pt: f64) -> PlacedLabel {
-    PlacedLabel { text: ranges(numbers), letters: Letters::SMALL, at, radius_pt, may_cover: false }
+    PlacedLabel { text: ranges(numbers), text_style: TextStyle::SMALL, at, radius_pt, may_cover: false }
 }
 
 /// The middle of the bounding box of a placed shape.

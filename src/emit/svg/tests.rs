@@ -79,8 +79,8 @@ fn labels_keep_apart_and_inside() {
     let room = PaperBox { left: 0.0, top: 0.0, right: 60.0, bottom: 60.0 };
     let mut to = Drawing::default();
     for _ in 0..40 {
-        let letters = Letters::SMALL;
-        to.label(PlacedLabel { text: "12".to_owned(), letters, at: [30.0, 30.0], radius_pt: 2.0, may_cover: false });
+        let text_style = TextStyle::SMALL;
+        to.label(PlacedLabel { text: "12".to_owned(), text_style, at: [30.0, 30.0], radius_pt: 2.0, may_cover: false });
     }
     let left_out = to.place_labels(room);
     let body = to.into_body();

@@ -21,7 +21,7 @@ fn stages_stay_where_they_are_before_and_after_their_runs() {
     assert_eq!([end_ns - 3_000_000, end_ns].map(|t_ns| signals.value(2, t_ns)), [last; 2]);
     assert_eq!(last, 5.0);
     assert_eq!(signals.value_before(2, end_ns), last);
-    assert_eq!(signals.first_leap(), None);
+    assert_eq!(signals.first_jump(), None);
 }
 
 #[test]
@@ -37,15 +37,15 @@ fn csv_has_a_row_for_each_bend_of_a_position() {
 }
 
 #[test]
-fn a_position_that_leaps_is_refused_where_lines_run_between_positions() {
-    let leap = fixture::changed(&fixture::hand().verified, |schedule| schedule.actuations[0].from += 1.0);
-    assert!(emit(Format::Csv, &leap, &Provenance::default()).is_ok(), "it begins elsewhere");
-    let leap = fixture::changed(&leap, |schedule| schedule.actuations[0].to += 1.0);
+fn a_position_that_jumps_is_refused_where_lines_run_between_positions() {
+    let jump = fixture::changed(&fixture::hand().verified, |schedule| schedule.actuations[0].from += 1.0);
+    assert!(emit(Format::Csv, &jump, &Provenance::default()).is_ok(), "it begins elsewhere");
+    let jump = fixture::changed(&jump, |schedule| schedule.actuations[0].to += 1.0);
     for format in [Format::Csv, Format::Gcode] {
-        assert_eq!(code(format, &leap), Code::E0826);
+        assert_eq!(code(format, &jump), Code::E0826);
     }
     for format in [Format::Mcap, Format::Json, Format::Vcd, Format::Pwl] {
-        assert!(emit(format, &leap, &Provenance::default()).is_ok());
+        assert!(emit(format, &jump, &Provenance::default()).is_ok());
     }
 }
 

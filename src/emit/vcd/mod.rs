@@ -31,7 +31,7 @@ use counts::Counts;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::fmt::Write as _;
-use variables::{Form, Variable};
+use variables::{ChannelForm, Variable};
 
 /// Estimated bytes of a change without the digits of its instant.
 const CHANGE_BYTES: u64 = 10;
@@ -53,7 +53,8 @@ pub(super) fn write(signals: &Signals) -> Result<[Vec<u8>; 2], EmitError> {
     let voltages = 8 * schedule.actuations.len() as u64;
     let lines = voltages.saturating_add(counts::number(signals));
     EmitError::refuse_size(Format::Vcd, lines.saturating_mul(change_bytes), MAX_TEXT_BYTES)?;
-    let forms: Vec<Form> = (0..schedule.channels.len()).map(|channel| Form::new(signals, channel)).collect();
+    let forms: Vec<ChannelForm> =
+        (0..schedule.channels.len()).map(|channel| ChannelForm::new(signals, channel)).collect();
     let variables = variables::all(signals, &forms);
     let (unit_ns, timescale) = timescale(signals);
 

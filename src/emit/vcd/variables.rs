@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 /// Representation of a channel.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Form {
+pub enum ChannelForm {
     /// A voltage that is either 0 V or this one; `None` if it is always 0 V.
     Switch(Option<f64>),
     Volts,
@@ -19,17 +19,17 @@ pub enum Form {
     Counts,
 }
 
-impl Form {
+impl ChannelForm {
     /// The narrowest form that represents a channel.
-    pub fn new(signals: &Signals, channel: usize) -> Form {
+    pub fn new(signals: &Signals, channel: usize) -> ChannelForm {
         match signals.unit(channel) {
-            ChannelUnit::Micrometre => Form::Counts,
-            ChannelUnit::Volt if signals.has_trains(channel) => Form::Train,
+            ChannelUnit::Micrometre => ChannelForm::Counts,
+            ChannelUnit::Volt if signals.has_trains(channel) => ChannelForm::Train,
             ChannelUnit::Volt => {
                 let levels = signals.of(channel).iter().map(|actuation| actuation.to).chain(signals.rest_v(channel));
                 let mut levels = levels.filter(|volts| *volts != 0.0);
                 let first = levels.next();
-                if levels.all(|volts| Some(volts) == first) { Form::Switch(first) } else { Form::Volts }
+                if levels.all(|volts| Some(volts) == first) { ChannelForm::Switch(first) } else { ChannelForm::Volts }
             }
         }
     }
@@ -37,30 +37,32 @@ impl Form {
     /// Explanation of the channel and its variables in its comment.
     fn says(&self, names: &[&str]) -> String {
         match (self, names) {
-            (Form::Switch(Some(volts)), _) => format!(", 1 stands for {volts} V"),
-            (Form::Switch(None), _) => ", 0 V throughout".to_owned(),
-            (Form::Train, [train, first, second, period]) => format!(
+            (ChannelForm::Switch(Some(volts)), _) => format!(", 1 stands for {volts} V"),
+            (ChannelForm::Switch(None), _) => ", 0 V throughout".to_owned(),
+            (ChannelForm::Train, [train, first, second, period]) => format!(
                 ", a drive train while {train} is 1: half of each {period} at {first}, then half at {second}, \
                  counted from the last change of the four; while it is 0, both levels are the voltage"
             ),
-            (Form::Volts | Form::Train, _) => String::new(),
-            (Form::Counts, _) => format!(", the nearest multiple of {COUNT_UM} um"),
+            (ChannelForm::Volts | ChannelForm::Train, _) => String::new(),
+            (ChannelForm::Counts, _) => format!(", the nearest multiple of {COUNT_UM} um"),
         }
     }
 
-    fn parts(&self) -> &'static [Part] {
+    fn roles(&self) -> &'static [VariableRole] {
         match self {
-            Form::Switch(_) => &[Part::Switch],
-            Form::Volts => &[Part::Volts],
-            Form::Train => &[Part::Train, Part::First, Part::Second, Part::Period],
-            Form::Counts => &[Part::Counts],
+            ChannelForm::Switch(_) => &[VariableRole::Switch],
+            ChannelForm::Volts => &[VariableRole::Volts],
+            ChannelForm::Train => {
+                &[VariableRole::Train, VariableRole::First, VariableRole::Second, VariableRole::Period]
+            }
+            ChannelForm::Counts => &[VariableRole::Counts],
         }
     }
 }
 
 /// Meaning of one variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum VariableRole {
     Switch,
     Volts,
     Counts,
@@ -70,22 +72,26 @@ pub enum Part {
     Period,
 }
 
-impl Part {
+impl VariableRole {
     /// Whether the value is 0 or 1.
     pub fn is_bit(self) -> bool {
         match self {
-            Part::Switch | Part::Train => true,
-            Part::Volts | Part::Counts | Part::First | Part::Second | Part::Period => false,
+            VariableRole::Switch | VariableRole::Train => true,
+            VariableRole::Volts
+            | VariableRole::Counts
+            | VariableRole::First
+            | VariableRole::Second
+            | VariableRole::Period => false,
         }
     }
 
     fn suffix(self) -> &'static str {
         match self {
-            Part::Switch | Part::Volts | Part::Counts => "",
-            Part::Train => "_train",
-            Part::First => "_first",
-            Part::Second => "_second",
-            Part::Period => "_period_ns",
+            VariableRole::Switch | VariableRole::Volts | VariableRole::Counts => "",
+            VariableRole::Train => "_train",
+            VariableRole::First => "_first",
+            VariableRole::Second => "_second",
+            VariableRole::Period => "_period_ns",
         }
     }
 }
@@ -94,7 +100,7 @@ impl Part {
 #[derive(Debug)]
 pub struct Variable {
     pub channel: usize,
-    pub part: Part,
+    pub role: VariableRole,
     pub name: String,
     wire: Option<String>,
     code: String,
@@ -104,34 +110,34 @@ pub struct Variable {
 }
 
 /// The variables of all channels, in channel order.
-pub fn all(signals: &Signals, forms: &[Form]) -> Vec<Variable> {
+pub fn all(signals: &Signals, forms: &[ChannelForm]) -> Vec<Variable> {
     let channels = &signals.schedule.channels;
-    let parts =
-        forms.iter().enumerate().flat_map(|(channel, form)| form.parts().iter().map(move |part| (channel, *part)));
-    let parts: Vec<(usize, Part)> = parts.collect();
-    let named = |name: &str, part: Part| format!("{}{}", plain(name), part.suffix());
-    let names: Vec<String> = parts.iter().map(|(channel, part)| named(&channels[*channel].name, *part)).collect();
-    let wired = |(channel, part): &(usize, Part)| Some(named(channels[*channel].wire.as_deref()?, *part));
-    let wires: Vec<Option<String>> = parts.iter().map(wired).collect();
+    let roles =
+        forms.iter().enumerate().flat_map(|(channel, form)| form.roles().iter().map(move |role| (channel, *role)));
+    let roles: Vec<(usize, VariableRole)> = roles.collect();
+    let named = |name: &str, role: VariableRole| format!("{}{}", plain(name), role.suffix());
+    let names: Vec<String> = roles.iter().map(|(channel, role)| named(&channels[*channel].name, *role)).collect();
+    let wired = |(channel, role): &(usize, VariableRole)| Some(named(channels[*channel].wire.as_deref()?, *role));
+    let wires: Vec<Option<String>> = roles.iter().map(wired).collect();
     let names = identifier::distinct_by(names.iter().map(String::as_str), str::to_owned);
     let distinct = identifier::distinct_by(wires.iter().flatten().map(String::as_str), str::to_owned);
     let mut distinct = distinct.into_iter();
     let wires = wires.iter().map(|wire| wire.as_ref().and_then(|_| distinct.next()));
-    let count = parts.len();
-    let named = parts.into_iter().zip(names).zip(wires).enumerate();
+    let count = roles.len();
+    let named = roles.into_iter().zip(names).zip(wires).enumerate();
     named
-        .map(|(index, (((channel, part), name), wire))| {
-            let wire_code = if part.is_bit() { code(count + index) } else { code(index) };
-            Variable { channel, part, name, wire, code: code(index), wire_code }
+        .map(|(index, (((channel, role), name), wire))| {
+            let wire_code = if role.is_bit() { code(count + index) } else { code(index) };
+            Variable { channel, role, name, wire, code: code(index), wire_code }
         })
         .collect()
 }
 
 /// The comment of a channel, which explains its variables.
-pub fn comment(channel: &Channel, form: &Form, variables: &[Variable]) -> String {
+pub fn comment(channel: &Channel, form: &ChannelForm, variables: &[Variable]) -> String {
     let names: Vec<&str> = variables.iter().map(|variable| variable.name.as_str()).collect();
     let first = names.first().copied().unwrap_or_default();
-    let subject = first.strip_suffix(Part::Train.suffix()).filter(|_| names.len() > 1).unwrap_or(first);
+    let subject = first.strip_suffix(VariableRole::Train.suffix()).filter(|_| names.len() > 1).unwrap_or(first);
     let [name, wire] =
         [&channel.name, channel.wire.as_deref().unwrap_or("none")].map(|text| one_line(text).replace('$', "_"));
     let unit = channel.unit.symbol();
@@ -150,7 +156,7 @@ impl Variable {
     }
 
     fn declared(&self, name: &str, code: &str) -> String {
-        let kind = if self.part.is_bit() { "wire 1" } else { "real 64" };
+        let kind = if self.role.is_bit() { "wire 1" } else { "real 64" };
         format!("$var {kind} {code} {name} $end\n")
     }
 
@@ -158,20 +164,20 @@ impl Variable {
     pub fn value(&self, signals: &Signals, t_ns: u64) -> f64 {
         let is_one = |one: bool| if one { 1.0 } else { 0.0 };
         let Drive { levels: [first, second], period_ns, .. } = signals.drive(self.channel, t_ns);
-        match self.part {
-            Part::Switch => is_one(first != 0.0),
-            Part::Volts | Part::First => first,
-            Part::Second => second,
-            Part::Train => is_one(period_ns > 0),
-            Part::Period => period_ns as f64,
-            Part::Counts => counts::counted(first),
+        match self.role {
+            VariableRole::Switch => is_one(first != 0.0),
+            VariableRole::Volts | VariableRole::First => first,
+            VariableRole::Second => second,
+            VariableRole::Train => is_one(period_ns > 0),
+            VariableRole::Period => period_ns as f64,
+            VariableRole::Counts => counts::counted(first),
         }
     }
 
     /// Appends the lines of a change.
     pub fn write(&self, text: &mut String, value: f64) {
         let Variable { code, wire_code, .. } = self;
-        if !self.part.is_bit() {
+        if !self.role.is_bit() {
             let _ = writeln!(text, "r{value} {code}");
             return;
         }

@@ -4,7 +4,7 @@
 //! 0x8000 drawn as steps, 0x20000 room for the row above, 0x800200 and 0x1000200 begin and end of a group.
 
 use super::Signals;
-use super::variables::{Form, Variable};
+use super::variables::{ChannelForm, Variable};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -24,7 +24,7 @@ const UNITS_IN_WINDOW: u64 = 4;
 pub fn write(
     signals: &Signals,
     scopes: &BTreeMap<&str, String>,
-    forms: &[Form],
+    forms: &[ChannelForm],
     variables: &[Variable],
     unit_ns: u64,
 ) -> String {
@@ -38,10 +38,10 @@ pub fn write(
         let scope = &scopes[device];
         let _ = writeln!(text, "{GROUP}\n-{scope}");
         let (still, busy): (Vec<usize>, Vec<usize>) =
-            channels.into_iter().partition(|channel| forms[*channel] == Form::Switch(None));
+            channels.into_iter().partition(|channel| forms[*channel] == ChannelForm::Switch(None));
         for channel in busy.into_iter().chain(still) {
             for variable in variables.iter().filter(|variable| variable.channel == channel) {
-                let _ = match variable.part.is_bit() {
+                let _ = match variable.role.is_bit() {
                     true => writeln!(text, "{BIT}\n{scope}.{}", variable.name),
                     false => writeln!(text, "{STEPS}\n{scope}.{}\n{ROOM}", variable.name),
                 };

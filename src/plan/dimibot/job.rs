@@ -11,7 +11,7 @@ use super::{
 };
 use crate::claims::dimibot::{
     DimibotAction, DimibotMethod, DimibotObjective, DimibotObstacleBody, DimibotOrder, DimibotStep, DimibotStop,
-    StandingTip,
+    InitialCell,
 };
 use crate::claims::{self, Claims, Job, Relation, Requirement};
 use crate::device::dimibot::{DimibotFacts, DimibotOutcome, Simultaneous};
@@ -230,7 +230,7 @@ impl<'a> DimibotTaskSearch<'a> {
         let covering = self.scene.field.covering(self.start);
         if !covering.is_empty() {
             // A covered home was reported before planning, so the last task has left the robot there.
-            sink.push(self.order.start_covered(StandingTip::LeftThere(self.start), &covering, self.job));
+            sink.push(self.order.start_covered(InitialCell::AfterLastTask(self.start), &covering, self.job));
         }
         covering.is_empty()
     }

@@ -259,7 +259,7 @@ fn traces(order: &ElectrodeArrayOrder, stage: &BoardStage, operations: &[AssayOp
         own.iter().copied().chain(own.is_empty().then_some(last)).chain([last]).collect()
     };
     let contents = stage.agents.iter().map(of_agent).collect();
-    let does_harm = |left: &Fluids| known.iter().map(|comes| contamination.does_harm(left, comes)).collect();
+    let does_harm = |left: &Fluids| known.iter().map(|comes| contamination.contaminates(left, comes)).collect();
     let (washes, harms) =
         (known.iter().map(|fluids| contamination.is_wash(fluids)).collect(), known.iter().map(does_harm).collect());
     Traces { contents, washes, harms }

@@ -363,7 +363,7 @@ pub fn washes_by_two(span: Span, earlier: Span) -> Diagnostic {
 }
 
 /// Traces that an earlier task has left on the same board.
-pub fn soiled_before(avoided: Span, fluid: &str, earlier: &Job) -> Diagnostic {
+pub fn contaminated_before(avoided: Span, fluid: &str, earlier: &Job) -> Diagnostic {
     let title = format!("the traces of `{fluid}` that `{}` left on `{}` are ignored", earlier.task, earlier.device);
     Diagnostic::new(Code::W0513, title)
         .label(avoided, "the board counts as clean before this task")

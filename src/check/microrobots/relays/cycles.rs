@@ -58,7 +58,7 @@ struct Interval {
 }
 
 /// Unsettled arms of one set, sorted by the voltage that settles them, with their bounds on levels.
-struct WaitingArms {
+struct UnsettledArms {
     /// Settling voltages, the hardest first.
     settling: Vec<i64>,
     /// For each prefix of the arms, their hardest demand on levels.
@@ -69,9 +69,9 @@ struct WaitingArms {
 pub struct PatternTarget<'a> {
     table: &'a VoltageTable,
     /// Arms that must be down: settled by snap-down voltages, they bound levels by release voltages.
-    downs: WaitingArms,
+    downs: UnsettledArms,
     /// Arms that must be up: settled by release voltages, they bound levels by snap-down voltages.
-    ups: WaitingArms,
+    ups: UnsettledArms,
 }
 
 /// A cycle in reverse order.
@@ -90,8 +90,8 @@ impl<'a> PatternTarget<'a> {
         let ups = ranked.releases.iter().filter(|row| !is_down[**row]);
         PatternTarget {
             table,
-            downs: WaitingArms::new(downs.map(|row| (table.snap_downs[*row], table.releases[*row])), i64::max),
-            ups: WaitingArms::new(ups.map(|row| (table.releases[*row], table.snap_downs[*row])), i64::min),
+            downs: UnsettledArms::new(downs.map(|row| (table.snap_downs[*row], table.releases[*row])), i64::max),
+            ups: UnsettledArms::new(ups.map(|row| (table.releases[*row], table.snap_downs[*row])), i64::min),
         }
     }
 
@@ -200,14 +200,14 @@ impl<'a> PatternTarget<'a> {
     }
 }
 
-impl WaitingArms {
+impl UnsettledArms {
     /// From pairs of the voltage that settles an arm, hardest first, and the one by which it bounds levels.
     fn new(arms: impl Iterator<Item = (i64, i64)>, harder: fn(i64, i64) -> i64) -> Self {
         let (settling, mut demands): (Vec<i64>, Vec<i64>) = arms.unzip();
         for at in 1..demands.len() {
             demands[at] = harder(demands[at - 1], demands[at]);
         }
-        WaitingArms { settling, demands }
+        UnsettledArms { settling, demands }
     }
 
     fn all(&self) -> usize {

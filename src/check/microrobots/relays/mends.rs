@@ -14,7 +14,7 @@ const GRAINS: [i64; 5] = [2, 2_000, 2_000_000, 20_000_000, 200_000_000];
 
 /// Improvement by a change; the best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Good {
+enum MendQuality {
     /// The table has no fault left.
     All,
     /// The fault is fixed, and the row has fewer in all.
@@ -31,31 +31,31 @@ pub fn mends(table: &VoltageTable, gaps: AllowedGaps, problems: &[Problem]) -> V
     let ranks = table.ranks();
     let too_long: Vec<usize> = problems.iter().filter_map(|problem| problem.state()).collect();
     let (census, ranks, too_long) = (&census, &ranks[..], &too_long[..]);
-    let mend_of = |problem| mend(&Clinic { table, gaps, census, ranks, too_long, problem });
+    let mend_of = |problem| mend(&MendSearch { table, gaps, census, ranks, too_long, problem });
     problems.iter().map(mend_of).collect()
 }
 
-fn mend(clinic: &Clinic) -> Option<Mend> {
+fn mend(search: &MendSearch) -> Option<Mend> {
     let mut places: Vec<VoltageBreakpoint> =
-        clinic.voltages().into_iter().flat_map(|(row, transition)| clinic.places(row, transition)).collect();
+        search.voltages().into_iter().flat_map(|(row, transition)| search.places(row, transition)).collect();
     places.sort_by_key(|place| (place.far(), place.row, place.transition, -place.to, place.way));
     places.dedup();
-    let mut best: Option<(Good, i64, Mend)> = None;
+    let mut best: Option<(MendQuality, i64, Mend)> = None;
     for place in places {
-        if best.is_some_and(|(good, far, _)| far + clinic.patience(good) <= place.far()) {
+        if best.is_some_and(|(quality, far, _)| far + search.patience(quality) <= place.far()) {
             break;
         }
-        let Some((good, to)) = clinic.tried(place) else { continue };
+        let Some((quality, to)) = search.tried(place) else { continue };
         let far = (to - place.from).abs();
-        if best.is_none_or(|(other, least, _)| (good, far) < (other, least)) {
-            best = Some((good, far, Mend { row: place.row, transition: place.transition, to_v: volts_v(to) }));
+        if best.is_none_or(|(other, least, _)| (quality, far) < (other, least)) {
+            best = Some((quality, far, Mend { row: place.row, transition: place.transition, to_v: volts_v(to) }));
         }
     }
     best.map(|(_, _, mend)| mend)
 }
 
 /// A fault and the table that has it.
-struct Clinic<'a> {
+struct MendSearch<'a> {
     table: &'a VoltageTable,
     gaps: AllowedGaps,
     census: &'a Census,
@@ -89,14 +89,14 @@ impl VoltageBreakpoint {
     }
 }
 
-impl Clinic<'_> {
+impl MendSearch<'_> {
     /// Greatest excess over a change with some improvement at which a change with a greater improvement is still
     /// sought, in units of the table.
-    fn patience(&self, good: Good) -> i64 {
-        match (good, self.problem.state()) {
-            (Good::All, _) => 0,
-            (Good::More | Good::Some, Some(_)) => 4 * self.table.margin,
-            (Good::More | Good::Some, None) => self.table.max,
+    fn patience(&self, quality: MendQuality) -> i64 {
+        match (quality, self.problem.state()) {
+            (MendQuality::All, _) => 0,
+            (MendQuality::More | MendQuality::Some, Some(_)) => 4 * self.table.margin,
+            (MendQuality::More | MendQuality::Some, None) => self.table.max,
         }
     }
 
@@ -131,20 +131,22 @@ impl Clinic<'_> {
     }
 
     /// The coarsest voltage at a breakpoint that improves the table as much as the finest one there.
-    fn tried(&self, place: VoltageBreakpoint) -> Option<(Good, i64)> {
+    fn tried(&self, place: VoltageBreakpoint) -> Option<(MendQuality, i64)> {
         let mut changed = self.table.clone();
-        let mut good_of = |to: i64| {
+        let mut quality_of = |to: i64| {
             changed.set(place.row, place.transition, to);
-            self.good(&changed, place)
+            self.quality(&changed, place)
         };
         let [finest, ..] = GRAINS;
-        let best = place.rounded(finest).into_iter().filter_map(&mut good_of).min()?;
+        let best = place.rounded(finest).into_iter().filter_map(&mut quality_of).min()?;
         let rounded = GRAINS.iter().rev().flat_map(|grain| place.rounded(*grain));
-        rounded.map(|to| (good_of(to), to)).find_map(|(good, to)| good.filter(|good| *good <= best).zip(Some(to)))
+        rounded
+            .map(|to| (quality_of(to), to))
+            .find_map(|(quality, to)| quality.filter(|quality| *quality <= best).zip(Some(to)))
     }
 
     /// Improvement of a table by a change in one row.
-    fn good(&self, changed: &VoltageTable, place: VoltageBreakpoint) -> Option<Good> {
+    fn quality(&self, changed: &VoltageTable, place: VoltageBreakpoint) -> Option<MendQuality> {
         let row = place.row;
         if !keeps_limits(changed, row, place.transition) {
             return None;
@@ -159,9 +161,9 @@ impl Clinic<'_> {
         }
         let before = self.census.of_row(row);
         if left == 0 && self.census.total() == before && self.has_short_cycles(changed, row) {
-            return Some(Good::All);
+            return Some(MendQuality::All);
         }
-        Some(if left < before.max(1) { Good::More } else { Good::Some })
+        Some(if left < before.max(1) { MendQuality::More } else { MendQuality::Some })
     }
 
     fn is_mended(&self, changed: &VoltageTable) -> bool {

@@ -3,7 +3,7 @@
 use super::scene;
 use crate::claims::dimibot::{DimibotObstacleBody, DimibotOrder};
 use crate::device::dimibot::DimibotFacts;
-use crate::emit::dimibot::course;
+use crate::emit::dimibot::motion;
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, Stroke, circle, cloud, outlines, rectangle};
 use crate::emit::mcap::drawing::{self, color};
@@ -23,8 +23,8 @@ pub fn topics(verified: &Verified, device: &str) -> [LogTopic; 2] {
     let plan = |(order, plan): (&DimibotOrder, &PlanRecord)| {
         (plan.start_ns, foxglove::encode(&cloud(&plan_strokes(order, plan), device, plan.start_ns)))
     };
-    let scenes = course::sceneries(verified, device).into_iter().map(scene).collect();
-    let plans = course::jobs(verified, device).into_iter().map(plan).collect();
+    let scenes = motion::sceneries(verified, device).into_iter().map(scene).collect();
+    let plans = motion::jobs(verified, device).into_iter().map(plan).collect();
     [
         LogTopic::new::<PointCloud>(format!("/{device}/scene/points"), scenes),
         LogTopic::new::<PointCloud>(format!("/{device}/plan/points"), plans),
@@ -39,7 +39,7 @@ pub fn tip(facts: &DimibotFacts) -> Stroke {
 
 fn plan_strokes(order: &DimibotOrder, plan: &PlanRecord) -> Vec<Stroke> {
     let path = plan.states.iter().map(|state| {
-        let [x, y, _] = course::place(state);
+        let [x, y, _] = motion::place(state);
         Point2::new(x, y)
     });
     let stops = scene::stops(order).into_iter().map(|cell| {
@@ -51,13 +51,13 @@ fn plan_strokes(order: &DimibotOrder, plan: &PlanRecord) -> Vec<Stroke> {
 
 fn scenery(order: &DimibotOrder) -> Vec<Stroke> {
     let facts = &order.facts;
-    let [x, y] = facts.place_um(course::last_cell(facts));
+    let [x, y] = facts.place_um(motion::last_cell(facts));
     let mut strokes = vec![Stroke { corners: rectangle([0.0, 0.0], [x, y]), color: color::LATTICE }];
     let corners = if order.obstacles.len() > MANY_OBSTACLES { COARSE_CORNERS } else { CIRCLE_CORNERS };
     for obstacle in scene::drawn(order) {
         let lines = match &*obstacle.body.seen_from(order.frame.as_ref()) {
             DimibotObstacleBody::Cells { from, to } => {
-                let (low, high) = course::tiles_um(facts, *from, *to);
+                let (low, high) = motion::tiles_um(facts, *from, *to);
                 vec![rectangle(low, high)]
             }
             // The checker refuses shapes that cannot be placed; one that slips through is just not drawn.

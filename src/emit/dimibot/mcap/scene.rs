@@ -4,11 +4,11 @@
 //! Scenery and plan are two topics per device. Since a viewer that jumps in time reads only the last message of each
 //! topic, every message contains the whole picture. Scenery is written again when a job has another one.
 
-use super::motion;
+use super::tip;
 use crate::claims::dimibot::{DimibotObstacle, DimibotObstacleBody, DimibotOrder};
 use crate::device::dimibot::Side;
 use crate::device::dimibot::{DimibotFacts, LatticeCell};
-use crate::emit::dimibot::course::{self, extent_um, jobs, sceneries, tiles_um};
+use crate::emit::dimibot::motion::{self, extent_um, jobs, sceneries, tiles_um};
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, SceneEntity, SceneUpdate, line_primitive};
@@ -69,7 +69,7 @@ pub fn drawn(order: &DimibotOrder) -> &[DimibotObstacle] {
 
 /// The drawn stops.
 pub fn stops(order: &DimibotOrder) -> Vec<LatticeCell> {
-    course::stops(order).into_iter().take(MAX_DRAWN).collect()
+    motion::stops(order).into_iter().take(MAX_DRAWN).collect()
 }
 
 fn scenery(order: &DimibotOrder, device: &str, t_ns: u64) -> Vec<SceneEntity> {
@@ -119,12 +119,12 @@ fn lattice(mut entity: SceneEntity, order: &DimibotOrder, device: &str) -> Scene
 
 fn path(mut entity: SceneEntity, plan: &PlanRecord) -> SceneEntity {
     let places = plan.states.iter().map(|state| {
-        let [x, y, z] = course::place(state);
+        let [x, y, z] = motion::place(state);
         [x, y, z + PATH_HEIGHT_UM]
     });
     drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color::PATH);
     if let Some(first) = plan.states.first() {
-        let [x, y, _] = course::place(first);
+        let [x, y, _] = motion::place(first);
         drawing::sphere(&mut entity, [x, y, PATH_HEIGHT_UM], STOP_UM, color::START);
         drawing::text(&mut entity, [x, y - LABEL_GAP_UM, LABEL_HEIGHT_UM], "start".into(), color::START);
     }
@@ -133,7 +133,7 @@ fn path(mut entity: SceneEntity, plan: &PlanRecord) -> SceneEntity {
 
 /// The tip at its true width, in the frame that moves with it, with a mark that is visible when the tip is narrow.
 fn tip(device: &str, t_ns: u64, facts: &DimibotFacts) -> SceneEntity {
-    let mut entity = drawing::entity(format!("{device}/tip"), &motion::tip_frame(device), t_ns);
+    let mut entity = drawing::entity(format!("{device}/tip"), &tip::tip_frame(device), t_ns);
     let slab = Slab { bottom_um: 0.0, height_um: OBSTACLE_HEIGHT_UM, color: color::TIP };
     drawing::disc(&mut entity, nalgebra::Point2::origin(), facts.tip_radius_um, slab);
     drawing::sphere(&mut entity, [0.0, 0.0, OBSTACLE_HEIGHT_UM], TIP_MARK_UM, color::TIP);

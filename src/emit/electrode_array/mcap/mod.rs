@@ -9,12 +9,12 @@ mod scene;
 use crate::claims::electrode_array::ElectrodeArrayOrder;
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
 use crate::emit::Signals;
-use crate::emit::electrode_array::course::{PartsMoment, moments, place};
+use crate::emit::electrode_array::motion::{PartsMoment, moments, place};
 use crate::emit::identifier;
 use crate::emit::mcap::cloud::SpaceStroke;
 use crate::emit::mcap::foxglove::{self, PoseInFrame};
-use crate::emit::mcap::frames::{FramePlace, Mover, StandingPose};
-use crate::emit::mcap::voltages::{MAX_FIELDS, MessageShape, encode_fields, repeat_held, schema};
+use crate::emit::mcap::frames::{FramePlace, FramePose, Mover};
+use crate::emit::mcap::voltages::{MAX_FIELDS, MessageShape, encode_fields, repeat_values, schema};
 use crate::emit::mcap::{LogTopic, Pictures};
 use crate::verify::Verified;
 use std::collections::{BTreeMap, BTreeSet};
@@ -106,7 +106,7 @@ fn cells(device: &str, moments: &[PartsMoment], duration_ns: u64) -> Option<LogT
         }
         held.insert(moment.t_ns, numbers(moment));
     }
-    repeat_held(&mut held, duration_ns);
+    repeat_values(&mut held, duration_ns);
     let package = format!("tweeze.{}", identifier::distinct([device])[0]);
     let whole = names.iter().flat_map(|name| [format!("column of {name}, from 1"), format!("row of {name}, from 1")]);
     Some(LogTopic {
@@ -139,7 +139,7 @@ fn movers(order: &ElectrodeArrayOrder, device: &str, moments: &[PartsMoment]) ->
             let is_other =
                 |there: &Option<Vec<Option<ElectrodeCell>>>| there.as_ref().is_some_and(|there| there[part] != *cell);
             if index == 0 || is_other(&before) || is_other(&next) {
-                let place = cell.map(|cell| place_um(&order.facts, cell)).map(|[x, y]| StandingPose::at([x, y, 0.0]));
+                let place = cell.map(|cell| place_um(&order.facts, cell)).map(|[x, y]| FramePose::at([x, y, 0.0]));
                 places[part].push((moment.t_ns, place));
             }
         }

@@ -8,7 +8,7 @@
 use super::{frame, place_um};
 use crate::claims::electrode_array::{ElectrodeArrayOrder, ZoneSort};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, Electrodes};
-use crate::emit::electrode_array::course::{asked, body, outline, runs, zone_body};
+use crate::emit::electrode_array::motion::{body, goal_cells, outline, runs, zone_body};
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, SpaceStroke, Stroke, circle, rectangle, space_cloud, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
@@ -227,7 +227,7 @@ fn way_lines(
 fn stops(order: &ElectrodeArrayOrder, device: &str, t_ns: u64) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/stops"), device, t_ns);
     let [stop_um, height_um] = [STOP, PLAN_HEIGHT].map(|pitches| pitches * order.facts.pitch_um());
-    for (index, (part, cell)) in asked(order).enumerate() {
+    for (index, (part, cell)) in goal_cells(order).enumerate() {
         let [x, y] = place_um(&order.facts, cell);
         drawing::sphere(&mut entity, [x, y, height_um], stop_um, color_of_stop(part));
         if index < MAX_LABELS {
@@ -257,7 +257,7 @@ fn way_strokes(order: &ElectrodeArrayOrder, ways: &[(usize, Vec<ElectrodeCell>)]
         corners: way.iter().map(|cell| Point2::from(place_um(&order.facts, *cell))).collect(),
         color: color::in_turn(*part),
     });
-    let stops = asked(order).map(|(part, cell)| Stroke {
+    let stops = goal_cells(order).map(|(part, cell)| Stroke {
         corners: circle(
             Point2::from(place_um(&order.facts, cell)),
             STOP / 2.0 * order.facts.pitch_um(),

@@ -1,6 +1,6 @@
 use super::*;
 use crate::device::electrode_array::{ElectrodeMap, Electrodes};
-use crate::emit::mcap::bench;
+use crate::emit::mcap::devices;
 use crate::emit::mcap::foxglove::{FrameTransforms, SceneUpdate};
 use crate::emit::mcap::tests::device_topics;
 use crate::lower::electrode_array::tests::{carried, facts};
@@ -90,7 +90,7 @@ fn each_part_has_a_frame_a_body_and_a_way() {
     }
     let plan = SceneUpdate::decode(topic(&topics, "/plate/plan").messages[0].1.as_slice()).unwrap();
     assert_eq!(plan.entities[0].lines.len(), 2);
-    let frames = bench::frames(&bench::PictureBench::all(&verified), &movers);
+    let frames = devices::frames(&devices::LoggedDevice::all(&verified), &movers);
     let last = FrameTransforms::decode(frames.messages.last().unwrap().1.as_slice()).unwrap();
     let names: Vec<&str> = last.transforms.iter().map(|frame| frame.child_frame_id.as_str()).collect();
     assert_eq!(names, ["plate", "plate/a", "plate/b"]);

@@ -8,10 +8,10 @@ mod solid;
 
 use crate::claims::fingers::{FingersAction, FingersOrder};
 use crate::emit::Signals;
-use crate::emit::fingers::course::{HandCourse, HandMoment, PartPose};
+use crate::emit::fingers::motion::{HandMoment, HandMotion, PartPose};
 use crate::emit::mcap::drawing;
 use crate::emit::mcap::foxglove::{self, PoseInFrame};
-use crate::emit::mcap::frames::{FramePlace, Mover, StandingPose};
+use crate::emit::mcap::frames::{FramePlace, FramePose, Mover};
 use crate::emit::mcap::{LogTopic, Pictures};
 use crate::geometry::outline::Curve;
 use crate::verify::Verified;
@@ -27,16 +27,16 @@ fn tip_frame(device: &str, finger: usize) -> String {
 }
 
 /// The pose rounded so that its numbers are the same on every machine.
-fn stand(pose: &PartPose) -> StandingPose {
-    StandingPose::oriented(pose.position_um.map(drawing::snapped), pose.orientation)
+fn frame_pose(pose: &PartPose) -> FramePose {
+    FramePose::oriented(pose.position_um.map(drawing::snapped), pose.orientation)
 }
 
 impl Pictures for FingersOrder {
     fn topics(&self, verified: &Verified, signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
-        let course = HandCourse::new(verified, signals, device);
-        let mut topics = vec![pose(&course, device)];
-        topics.extend(scene::topics(&course, device));
-        (topics, movers(&course, device))
+        let motion = HandMotion::new(verified, signals, device);
+        let mut topics = vec![pose(&motion, device)];
+        topics.extend(scene::topics(&motion, device));
+        (topics, movers(&motion, device))
     }
 
     /// A hand works in three dimensions.
@@ -64,27 +64,27 @@ impl Pictures for FingersOrder {
 }
 
 /// `/<device>/pose`: the part in the hand's frame, written whenever it has moved, and once more before it moves.
-fn pose(course: &HandCourse, device: &str) -> LogTopic {
+fn pose(motion: &HandMotion, device: &str) -> LogTopic {
     let message = |(t_ns, place): (u64, FramePlace)| {
         let (timestamp, frame_id) = (foxglove::timestamp(t_ns), device.to_owned());
-        let pose = place.and_then(|stand| stand.pose());
+        let pose = place.and_then(|pose| pose.pose());
         (t_ns, foxglove::encode(&PoseInFrame { timestamp, frame_id, pose }))
     };
-    let places = placed(course, |moment| stand(&moment.part));
+    let places = placed(motion, |moment| frame_pose(&moment.part));
     LogTopic::new::<PoseInFrame>(format!("/{device}/pose"), places.into_iter().map(message).collect())
 }
 
-fn movers(course: &HandCourse, device: &str) -> Vec<Mover> {
-    let tips = (0..course.fingers).map(|finger| Mover {
+fn movers(motion: &HandMotion, device: &str) -> Vec<Mover> {
+    let tips = (0..motion.fingers).map(|finger| Mover {
         frame: tip_frame(device, finger),
         device: device.to_owned(),
-        places: placed(course, |moment| StandingPose::at(moment.tips_um[finger].map(drawing::snapped))),
-        outline: course.plans.first().map_or_else(Vec::new, |plan| scene::tip_outline(plan.order, finger)),
+        places: placed(motion, |moment| FramePose::at(moment.tips_um[finger].map(drawing::snapped))),
+        outline: motion.plans.first().map_or_else(Vec::new, |plan| scene::tip_outline(plan.order, finger)),
     });
-    let part = course.part().map(|part| Mover {
+    let part = motion.part().map(|part| Mover {
         frame: part_frame(device, part),
         device: device.to_owned(),
-        places: placed(course, |moment| stand(&moment.part)),
+        places: placed(motion, |moment| frame_pose(&moment.part)),
         // Included in the points of the scene.
         outline: Vec::new(),
     });
@@ -92,9 +92,9 @@ fn movers(course: &HandCourse, device: &str) -> Vec<Mover> {
 }
 
 /// Poses at each moment at which something has moved, or from which it moves.
-fn placed(course: &HandCourse, of: impl Fn(&HandMoment) -> StandingPose) -> Vec<(u64, FramePlace)> {
-    let moments = course.plans.iter().flat_map(|plan| &plan.moments);
-    let places: Vec<(u64, StandingPose)> = moments.map(|moment| (moment.t_ns, of(moment))).collect();
+fn placed(motion: &HandMotion, of: impl Fn(&HandMoment) -> FramePose) -> Vec<(u64, FramePlace)> {
+    let moments = motion.plans.iter().flat_map(|plan| &plan.moments);
+    let places: Vec<(u64, FramePose)> = moments.map(|moment| (moment.t_ns, of(moment))).collect();
     let moved = |a: usize, b: usize| places[a].1 != places[b].1;
     let is_kept = |at: &usize| *at == 0 || moved(at - 1, *at) || (at + 1 < places.len() && moved(*at, at + 1));
     (0..places.len()).filter(is_kept).map(|at| (places[at].0, Some(places[at].1))).collect()

@@ -5,10 +5,10 @@
 //! (`scene`), the plan (`plan`), and the grasp of each state (`state`). The first two are repeated as points.
 
 use super::solid;
-use super::{part_frame, stand, tip_frame};
+use super::{frame_pose, part_frame, tip_frame};
 use crate::claims::fingers::{FingersOrder, HandPart};
 use crate::device::fingers::Plane;
-use crate::emit::fingers::course::{HandCourse, HandPlanCourse, RecordedGrasp};
+use crate::emit::fingers::motion::{HandMotion, HandPlanMotion, RecordedGrasp};
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, SpaceStroke, circle, space_cloud};
 use crate::emit::mcap::drawing::{self, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, Vector3, line_primitive};
@@ -43,21 +43,21 @@ fn color_of(finger: usize) -> Color {
 }
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/state` and the first two as points.
-pub fn topics(course: &HandCourse, device: &str) -> Vec<LogTopic> {
-    let scene = course.plans.first().map(|plan| (0, update(scenery(plan.order, course.fingers, device))));
-    let scene_points = course.plans.first().map(|plan| {
+pub fn topics(motion: &HandMotion, device: &str) -> Vec<LogTopic> {
+    let scene = motion.plans.first().map(|plan| (0, update(scenery(plan.order, motion.fingers, device))));
+    let scene_points = motion.plans.first().map(|plan| {
         let part = &plan.order.part;
         let cloud = space_cloud(&part_strokes(part), &part_frame(device, &part.name), 0, POINTS_UM);
         (0, foxglove::encode(&cloud))
     });
-    let plans = course.plans.iter().map(|plan| (plan.start_ns, update(vec![trails(plan, device), goal(plan, device)])));
-    let plan_points = course.plans.iter().map(|plan| {
+    let plans = motion.plans.iter().map(|plan| (plan.start_ns, update(vec![trails(plan, device), goal(plan, device)])));
+    let plan_points = motion.plans.iter().map(|plan| {
         (plan.start_ns, foxglove::encode(&space_cloud(&trail_strokes(plan), device, plan.start_ns, POINTS_UM)))
     });
     vec![
         LogTopic::new::<SceneUpdate>(format!("/{device}/scene"), scene.into_iter().collect()),
         LogTopic::new::<SceneUpdate>(format!("/{device}/plan"), plans.collect()),
-        state(course, device),
+        state(motion, device),
         LogTopic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points.into_iter().collect()),
         LogTopic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points.collect()),
     ]
@@ -90,7 +90,7 @@ fn ends(entity: &mut SceneEntity, order: &FingersOrder) {
 }
 
 /// The path of each tip that moves.
-fn ways(plan: &HandPlanCourse) -> impl Iterator<Item = (usize, Vec<[f64; 3]>)> {
+fn ways(plan: &HandPlanMotion) -> impl Iterator<Item = (usize, Vec<[f64; 3]>)> {
     (0..plan.order.facts.fingers as usize).filter_map(|finger| {
         let mut way: Vec<[f64; 3]> =
             plan.moments.iter().map(|moment| moment.tips_um[finger].map(drawing::snapped)).collect();
@@ -99,7 +99,7 @@ fn ways(plan: &HandPlanCourse) -> impl Iterator<Item = (usize, Vec<[f64; 3]>)> {
     })
 }
 
-fn trails(plan: &HandPlanCourse, device: &str) -> SceneEntity {
+fn trails(plan: &HandPlanMotion, device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/trails"), device, plan.start_ns);
     for (finger, way) in ways(plan) {
         drawing::line(&mut entity, way, line_primitive::Type::LineStrip, color_of(finger));
@@ -108,10 +108,10 @@ fn trails(plan: &HandPlanCourse, device: &str) -> SceneEntity {
 }
 
 /// The outlines of the part at the end of the plan.
-fn goal(plan: &HandPlanCourse, device: &str) -> SceneEntity {
+fn goal(plan: &HandPlanMotion, device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/goal"), device, plan.start_ns);
     let Some(last) = plan.grasps.last() else { return entity };
-    let pose = stand(&last.part).pose();
+    let pose = frame_pose(&last.part).pose();
     for (_, outline) in solid::outlines(&plan.order.part) {
         drawing::line(&mut entity, outline, line_primitive::Type::LineLoop, GOAL);
     }
@@ -125,7 +125,7 @@ fn update(entities: Vec<SceneEntity>) -> Vec<u8> {
 
 /// Removes the contacts at the instant at which all holding fingers begin to leave; `None` if the next grasp still
 /// holds.
-fn letting_go(plan: &HandPlanCourse, index: usize, place: [f64; 3], device: &str) -> Option<(u64, Vec<u8>)> {
+fn letting_go(plan: &HandPlanMotion, index: usize, place: [f64; 3], device: &str) -> Option<(u64, Vec<u8>)> {
     let next = plan.grasps.get(index + 1).filter(|next| next.contacts.iter().all(|contact| *contact == 0))?;
     let [start_ns, _] = plan.motions.get(index).copied().flatten()?;
     let frame = part_frame(device, &plan.order.part.name);
@@ -136,9 +136,9 @@ fn letting_go(plan: &HandPlanCourse, index: usize, place: [f64; 3], device: &str
 }
 
 /// `/<device>/state`: the contacts of each grasp, the forces there, and the grasp in words.
-fn state(course: &HandCourse, device: &str) -> LogTopic {
+fn state(motion: &HandMotion, device: &str) -> LogTopic {
     let mut messages: Vec<(u64, Vec<u8>)> = Vec::new();
-    for plan in &course.plans {
+    for plan in &motion.plans {
         let [_, high_um] = plan.order.reach();
         let curve = |plane| Curve::of(&plan.order.part.section(plane)?.outline).ok();
         let curves = Plane::ALL.map(|plane| (plane, curve(plane)));
@@ -214,7 +214,7 @@ fn part_strokes(part: &HandPart) -> Vec<SpaceStroke> {
     solid::outlines(part).into_iter().map(stroke).collect()
 }
 
-fn trail_strokes(plan: &HandPlanCourse) -> Vec<SpaceStroke> {
+fn trail_strokes(plan: &HandPlanMotion) -> Vec<SpaceStroke> {
     let stroke = |(finger, way): (usize, Vec<[f64; 3]>)| SpaceStroke {
         corners: way.into_iter().map(Point3::from).collect(),
         color: color_of(finger),

@@ -2,7 +2,7 @@
 
 use crate::claims::fingers::{HandPart, Section};
 use crate::device::fingers::Plane;
-use crate::emit::fingers::course::corners;
+use crate::emit::fingers::motion::corners;
 use crate::emit::mcap::drawing;
 use crate::emit::mcap::foxglove::{
     self, Color, Point3, SceneEntity, SpherePrimitive, TriangleListPrimitive, Vector3, line_primitive,

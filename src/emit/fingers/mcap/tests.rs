@@ -1,5 +1,5 @@
 use super::*;
-use crate::emit::fingers::course::{HandCourse, MAX_MOMENTS};
+use crate::emit::fingers::motion::{HandMotion, MAX_MOMENTS};
 use crate::emit::fixture;
 use crate::emit::mcap::foxglove::SceneUpdate;
 use crate::emit::mcap::tests::device_topics;
@@ -49,8 +49,8 @@ fn the_part_is_where_the_states_say_and_turns_steadily_between_them() {
 fn tips_are_where_the_schedule_has_them() {
     let hand = fixture::hand().verified;
     let signals = Signals::new(hand.schedule());
-    let course = HandCourse::new(&hand, &signals, "hand");
-    let moments = &course.plans[0].moments;
+    let motion = HandMotion::new(&hand, &signals, "hand");
+    let moments = &motion.plans[0].moments;
     assert!(moments.windows(2).all(|pair| pair[0].t_ns < pair[1].t_ns));
     for moment in &moments[1..] {
         for (finger, tip_um) in moment.tips_um.iter().enumerate() {
@@ -129,8 +129,8 @@ fn a_long_way_is_a_bounded_number_of_moments() {
         }
     });
     let signals = Signals::new(far.schedule());
-    let course = HandCourse::new(&far, &signals, "hand");
-    let reported = course.plans[0].moments.len();
+    let motion = HandMotion::new(&far, &signals, "hand");
+    let reported = motion.plans[0].moments.len();
     assert!(reported <= MAX_MOMENTS + 100 && reported > MAX_MOMENTS / 2, "{reported} moments");
 }
 

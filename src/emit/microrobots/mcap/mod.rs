@@ -7,10 +7,10 @@ use crate::claims::microrobots::MicrorobotsOrder;
 use crate::emit::Signals;
 use crate::emit::identifier;
 use crate::emit::mcap::foxglove::{self, PosesInFrame};
-use crate::emit::mcap::frames::{Mover, StandingPose};
-use crate::emit::mcap::voltages::{MessageShape, encode_fields, repeat_held, schema};
+use crate::emit::mcap::frames::{FramePose, Mover};
+use crate::emit::mcap::voltages::{MessageShape, encode_fields, repeat_values, schema};
 use crate::emit::mcap::{LogTopic, Pictures, drawing};
-use crate::emit::microrobots::course::{BedCourse, BedMoment, goals};
+use crate::emit::microrobots::motion::{BedMoment, BedMotion, goals};
 use crate::geometry::Pose;
 use crate::verify::Verified;
 use std::collections::BTreeMap;
@@ -30,19 +30,19 @@ fn frame(device: &str, robot: &str) -> String {
 }
 
 /// The pose rounded so that its numbers are the same on every machine.
-fn stand(pose: &Pose) -> StandingPose {
+fn frame_pose(pose: &Pose) -> FramePose {
     let place = drawing::snap(nalgebra::Point2::new(pose.x_um, pose.y_um));
-    StandingPose::turned([place.x, place.y, 0.0], pose.heading_rad)
+    FramePose::turned([place.x, place.y, 0.0], pose.heading_rad)
 }
 
 impl Pictures for MicrorobotsOrder {
     fn topics(&self, verified: &Verified, _signals: &Signals, device: &str) -> (Vec<LogTopic>, Vec<Mover>) {
-        let course = BedCourse::new(verified, device);
-        let mut topics = vec![poses(&course, device)];
-        topics.extend((0..course.robots.len()).map(|robot| path(&course, device, robot)));
-        topics.extend(arms(&course, device, verified.schedule().duration_ns));
-        topics.extend(scene::topics(&course, device));
-        (topics, movers(&course, device))
+        let motion = BedMotion::new(verified, device);
+        let mut topics = vec![poses(&motion, device)];
+        topics.extend((0..motion.robots.len()).map(|robot| path(&motion, device, robot)));
+        topics.extend(arms(&motion, device, verified.schedule().duration_ns));
+        topics.extend(scene::topics(&motion, device));
+        (topics, movers(&motion, device))
     }
 
     fn reach(&self) -> [f64; 2] {
@@ -56,36 +56,36 @@ impl Pictures for MicrorobotsOrder {
 }
 
 /// `/<device>/poses`: all robots, in the order of the table, which the metadata list.
-fn poses(course: &BedCourse, device: &str) -> LogTopic {
+fn poses(motion: &BedMotion, device: &str) -> LogTopic {
     let message = |moment: &BedMoment| {
-        let poses = moment.poses.iter().filter_map(|pose| stand(pose).pose()).collect();
+        let poses = moment.poses.iter().filter_map(|pose| frame_pose(pose).pose()).collect();
         let (timestamp, frame_id) = (foxglove::timestamp(moment.t_ns), device.to_owned());
         (moment.t_ns, foxglove::encode(&PosesInFrame { timestamp, frame_id, poses }))
     };
-    let moments = course.plans.iter().flat_map(|plan| &plan.moments);
+    let moments = motion.plans.iter().flat_map(|plan| &plan.moments);
     let mut topic = LogTopic::new::<PosesInFrame>(format!("/{device}/poses"), moments.map(message).collect());
-    topic.metadata.insert("robots".to_owned(), course.robots.join(" "));
+    topic.metadata.insert("robots".to_owned(), motion.robots.join(" "));
     topic
 }
 
 /// `/<device>/path/<robot>`: the path of a robot in each plan.
-fn path(course: &BedCourse, device: &str, robot: usize) -> LogTopic {
-    let messages = course.plans.iter().map(|plan| {
-        let poses = plan.moments.iter().filter_map(|moment| stand(&moment.poses[robot]).pose()).collect();
+fn path(motion: &BedMotion, device: &str, robot: usize) -> LogTopic {
+    let messages = motion.plans.iter().map(|plan| {
+        let poses = plan.moments.iter().filter_map(|moment| frame_pose(&moment.poses[robot]).pose()).collect();
         let (timestamp, frame_id) = (foxglove::timestamp(plan.start_ns), device.to_owned());
         (plan.start_ns, foxglove::encode(&PosesInFrame { timestamp, frame_id, poses }))
     });
-    LogTopic::new::<PosesInFrame>(format!("/{device}/path/{}", course.robots[robot]), messages.collect())
+    LogTopic::new::<PosesInFrame>(format!("/{device}/path/{}", motion.robots[robot]), messages.collect())
 }
 
 /// `/<device>/arms`: the control state and every arm (1 for down) as numbers. The old values are repeated before each
-/// change, so that a plot shows no slope, and all at the beats of voltages.
-fn arms(course: &BedCourse, device: &str, duration_ns: u64) -> Option<LogTopic> {
-    let facts = &course.plans.first()?.order.facts;
+/// change, so that a plot shows no slope, and all at the instants at which voltages are repeated.
+fn arms(motion: &BedMotion, device: &str, duration_ns: u64) -> Option<LogTopic> {
+    let facts = &motion.plans.first()?.order.facts;
     let rows = facts.robots.iter().map(|robot| robot.name.as_str());
     let names = identifier::distinct_fields(std::iter::once(CONTROL).chain(rows.clone()));
     let mut held: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
-    for leg in course.plans.iter().flat_map(|plan| &plan.legs) {
+    for leg in motion.plans.iter().flat_map(|plan| &plan.legs) {
         let before =
             leg.start_ns.checked_sub(1).and_then(|before_ns| Some((before_ns, held.values().next_back()?.clone())));
         if let Some((before_ns, last)) = before {
@@ -94,7 +94,7 @@ fn arms(course: &BedCourse, device: &str, duration_ns: u64) -> Option<LogTopic> 
         let arms = leg.arms.iter().map(|arm| f64::from(*arm));
         held.insert(leg.start_ns, std::iter::once(leg.control as f64).chain(arms).collect());
     }
-    repeat_held(&mut held, duration_ns);
+    repeat_values(&mut held, duration_ns);
     let package = format!("tweeze.{}", identifier::distinct([device])[0]);
     let metadata = names.iter().cloned().zip(
         std::iter::once("index of the control state".to_owned())
@@ -109,18 +109,18 @@ fn arms(course: &BedCourse, device: &str, duration_ns: u64) -> Option<LogTopic> 
 }
 
 /// The frame of each robot, written whenever it has moved, and once more before it moves.
-fn movers(course: &BedCourse, device: &str) -> Vec<Mover> {
-    let moments: Vec<&BedMoment> = course.plans.iter().flat_map(|plan| &plan.moments).collect();
+fn movers(motion: &BedMotion, device: &str) -> Vec<Mover> {
+    let moments: Vec<&BedMoment> = motion.plans.iter().flat_map(|plan| &plan.moments).collect();
     let of_robot = |(robot, name): (usize, &String)| {
         let moved = |a: usize, b: usize| moments[a].poses[robot] != moments[b].poses[robot];
         let is_kept = |at: &usize| *at == 0 || moved(at - 1, *at) || (at + 1 < moments.len() && moved(*at, at + 1));
         let places = (0..moments.len()).filter(is_kept);
-        let places = places.map(|at| (moments[at].t_ns, Some(stand(&moments[at].poses[robot])))).collect();
-        let facts = course.plans.first().map(|plan| plan.order.robot(robot));
+        let places = places.map(|at| (moments[at].t_ns, Some(frame_pose(&moments[at].poses[robot])))).collect();
+        let facts = motion.plans.first().map(|plan| plan.order.robot(robot));
         let outline = facts.map_or_else(Vec::new, |facts| scene::outline(facts, robot));
         Mover { frame: frame(device, name), device: device.to_owned(), places, outline }
     };
-    course.robots.iter().enumerate().map(of_robot).collect()
+    motion.robots.iter().enumerate().map(of_robot).collect()
 }
 
 #[cfg(test)]

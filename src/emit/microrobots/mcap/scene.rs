@@ -3,14 +3,14 @@
 //! There are three topics, since a viewer that jumps in time reads only the last message of each: the scenery
 //! (`scene`), the plan (`plan`), and the state of each leg (`state`). The first two are repeated as points.
 
-use super::{frame, stand};
+use super::{frame, frame_pose};
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, Robot};
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::cloud::{CIRCLE_CORNERS, SpaceStroke, Stroke, circle, outlines, spaced_cloud};
 use crate::emit::mcap::drawing::{self, Slab, color};
 use crate::emit::mcap::foxglove::{self, Color, PointCloud, SceneEntity, SceneUpdate, line_primitive};
-use crate::emit::microrobots::course::{BedCourse, BedPlanCourse, ControlLeg, SweptDisc, goals, nose_corners};
+use crate::emit::microrobots::motion::{BedMotion, BedPlanMotion, ControlLeg, SweptDisc, goals, nose_corners};
 use crate::geometry::{Pose, Shape};
 use nalgebra::Point2;
 use std::collections::BTreeSet;
@@ -44,12 +44,12 @@ const DOCKED: Color = Color { r: 0.6, g: 0.6, b: 0.6, a: 1.0 };
 const ORBIT_ALPHA: f64 = 0.25;
 
 /// `/<device>/scene`, `/<device>/plan`, `/<device>/state` and the first two as points.
-pub fn topics(course: &BedCourse, device: &str) -> Vec<LogTopic> {
+pub fn topics(motion: &BedMotion, device: &str) -> Vec<LogTopic> {
     let (mut scenes, mut scene_points) = (Vec::new(), Vec::new());
     let mut shown: BTreeSet<String> = BTreeSet::new();
-    for (index, plan) in course.plans.iter().enumerate() {
+    for (index, plan) in motion.plans.iter().enumerate() {
         // The scenery is written at the beginning, and again when a job has other obstacles.
-        let is_new = index == 0 || course.plans[index - 1].order.obstacles != plan.order.obstacles;
+        let is_new = index == 0 || motion.plans[index - 1].order.obstacles != plan.order.obstacles;
         if is_new {
             let t_ns = if index == 0 { 0 } else { plan.start_ns };
             let entities = scenery(plan.order, device, t_ns);
@@ -61,17 +61,17 @@ pub fn topics(course: &BedCourse, device: &str) -> Vec<LogTopic> {
             shown = ids;
         }
     }
-    let plans = course.plans.iter().map(|plan| {
+    let plans = motion.plans.iter().map(|plan| {
         let entities = vec![trails(plan, device), goal_marks(plan, device)];
         (plan.start_ns, foxglove::encode(&SceneUpdate { deletions: Vec::new(), entities }))
     });
-    let plan_points = course.plans.iter().map(|plan| {
+    let plan_points = motion.plans.iter().map(|plan| {
         (plan.start_ns, foxglove::encode(&spaced_cloud(&plan_strokes(plan), device, plan.start_ns, POINTS_UM)))
     });
     vec![
         LogTopic::new::<SceneUpdate>(format!("/{device}/scene"), scenes),
         LogTopic::new::<SceneUpdate>(format!("/{device}/plan"), plans.collect()),
-        state(course, device),
+        state(motion, device),
         LogTopic::new::<PointCloud>(format!("/{device}/scene/points"), scene_points),
         LogTopic::new::<PointCloud>(format!("/{device}/plan/points"), plan_points.collect()),
     ]
@@ -108,7 +108,7 @@ fn body(robot: &Robot, color: Color, device: &str, t_ns: u64) -> SceneEntity {
 }
 
 /// The path of each robot that moves.
-fn ways<'a>(plan: &'a BedPlanCourse) -> impl Iterator<Item = (usize, Vec<Point2<f64>>)> + 'a {
+fn ways<'a>(plan: &'a BedPlanMotion) -> impl Iterator<Item = (usize, Vec<Point2<f64>>)> + 'a {
     (0..plan.order.robots.len()).filter_map(|robot| {
         let places = plan.moments.iter().map(|moment| moment.poses[robot]);
         let mut places: Vec<Point2<f64>> =
@@ -118,7 +118,7 @@ fn ways<'a>(plan: &'a BedPlanCourse) -> impl Iterator<Item = (usize, Vec<Point2<
     })
 }
 
-fn trails(plan: &BedPlanCourse, device: &str) -> SceneEntity {
+fn trails(plan: &BedPlanMotion, device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/trails"), device, plan.start_ns);
     for (robot, way) in ways(plan) {
         let places = way.iter().map(|place| [place.x, place.y, PLAN_HEIGHT_UM]);
@@ -143,7 +143,7 @@ pub fn outline(robot: &Robot, index: usize) -> Vec<SpaceStroke> {
     lines.map(|corners| SpaceStroke::from(&Stroke { corners, color: color::in_turn(index) })).collect()
 }
 
-fn goal_marks(plan: &BedPlanCourse, device: &str) -> SceneEntity {
+fn goal_marks(plan: &BedPlanMotion, device: &str) -> SceneEntity {
     let mut entity = drawing::entity(format!("{device}/goals"), device, plan.start_ns);
     for (index, (robot, stop)) in goals(plan.order).enumerate() {
         let facts = plan.order.robot(robot);
@@ -152,7 +152,7 @@ fn goal_marks(plan: &BedPlanCourse, device: &str) -> SceneEntity {
             drawing::line(&mut entity, places, line_primitive::Type::LineStrip, color::in_turn(robot));
         }
         if index < MAX_LABELS {
-            let [x, y, _] = stand(&stop.pose).place;
+            let [x, y, _] = frame_pose(&stop.pose).place;
             drawing::text(
                 &mut entity,
                 [x, y, PLAN_HEIGHT_UM],
@@ -165,11 +165,11 @@ fn goal_marks(plan: &BedPlanCourse, device: &str) -> SceneEntity {
 }
 
 /// `/<device>/state`: for each leg the arms that are down, the docked robots, and the orbits.
-fn state(course: &BedCourse, device: &str) -> LogTopic {
-    let legs: usize = course.plans.iter().map(|plan| plan.legs.len()).sum();
-    let are_marked = legs * course.robots.len() <= MAX_MARKS;
+fn state(motion: &BedMotion, device: &str) -> LogTopic {
+    let legs: usize = motion.plans.iter().map(|plan| plan.legs.len()).sum();
+    let are_marked = legs * motion.robots.len() <= MAX_MARKS;
     let mut messages: Vec<(u64, Vec<u8>)> = Vec::new();
-    for plan in &course.plans {
+    for plan in &motion.plans {
         let orbits = plan.orbits();
         for leg in &plan.legs {
             let t_ns = leg.start_ns;
@@ -230,7 +230,7 @@ fn scene_strokes(order: &MicrorobotsOrder) -> Vec<Stroke> {
     lines.map(|corners| Stroke { corners, color: color::OBSTACLE }).collect()
 }
 
-fn plan_strokes(plan: &BedPlanCourse) -> Vec<Stroke> {
+fn plan_strokes(plan: &BedPlanMotion) -> Vec<Stroke> {
     let ways = ways(plan).map(|(robot, corners)| Stroke { corners, color: color::in_turn(robot) });
     let goals = goals(plan.order).flat_map(|(robot, stop)| {
         let lines = silhouette(plan.order.robot(robot), &stop.pose).into_iter();

@@ -1,10 +1,10 @@
 use super::*;
 use crate::device::microrobots::Arm;
 use crate::emit::fixture;
-use crate::emit::mcap::bench;
+use crate::emit::mcap::devices;
 use crate::emit::mcap::foxglove::{FrameTransforms, SceneUpdate};
 use crate::emit::mcap::tests::device_topics;
-use crate::emit::microrobots::course::MAX_POSES;
+use crate::emit::microrobots::motion::MAX_POSES;
 use crate::schedule::State;
 use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use prost::Message as _;
@@ -65,8 +65,8 @@ fn arms_are_numbers_that_jump() {
 #[test]
 fn an_orbit_is_a_whole_turn_without_interruption() {
     let bed = fixture::bed().verified;
-    let course = BedCourse::new(&bed, "m");
-    let orbits = course.plans[0].orbits();
+    let motion = BedMotion::new(&bed, "m");
+    let orbits = motion.plans[0].orbits();
     // 600 strokes of 2 um on a circle of 942 um are a full turn; the later turns of 300 um are not.
     let found: Vec<_> = orbits.iter().map(|orbit| (orbit.robot, orbit.start_ns, orbit.end_ns)).collect();
     assert_eq!(found, [(0, 0, 32_000_000), (1, 0, 32_000_000)]);
@@ -78,16 +78,16 @@ fn an_orbit_is_a_whole_turn_without_interruption() {
 #[test]
 fn a_docked_robot_has_no_orbit() {
     let bed = fixture::bed().verified;
-    let mut course = BedCourse::new(&bed, "m");
-    let orbits = |course: &BedCourse| -> Vec<(usize, u64)> {
-        course.plans[0].orbits().iter().map(|orbit| (orbit.robot, orbit.end_ns)).collect()
+    let mut motion = BedMotion::new(&bed, "m");
+    let orbits = |motion: &BedMotion| -> Vec<(usize, u64)> {
+        motion.plans[0].orbits().iter().map(|orbit| (orbit.robot, orbit.end_ns)).collect()
     };
-    let next = &mut course.plans[0].legs[1].movers;
+    let next = &mut motion.plans[0].legs[1].movers;
     next.iter_mut().for_each(|body| body.arm = Arm::Down);
     next[0].is_docked = true;
-    let end_ns = course.plans[0].legs[1].end_ns;
+    let end_ns = motion.plans[0].legs[1].end_ns;
     assert!(end_ns > 32_000_000);
-    assert_eq!(orbits(&course)[..2], [(0, 32_000_000), (1, end_ns)]);
+    assert_eq!(orbits(&motion)[..2], [(0, 32_000_000), (1, end_ns)]);
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn robots_have_bodies_in_frames_that_turn() {
         assert_eq!(body.cubes[0].size.map(|size| (size.x, size.y)), Some((120.0, 60.0)));
         assert_eq!(body.triangles.len(), 1);
     }
-    let tf = bench::frames(&bench::PictureBench::all(&bed), &movers);
+    let tf = devices::frames(&devices::LoggedDevice::all(&bed), &movers);
     let last = FrameTransforms::decode(tf.messages.last().unwrap().1.as_slice()).unwrap();
     let state = bed.schedule().plans[0].states.last().unwrap();
     let State::Microrobots(MicrorobotsState { poses, .. }) = &state.state else { panic!("a state of microrobots") };
@@ -131,8 +131,8 @@ fn robots_have_bodies_in_frames_that_turn() {
         let off_rad = found_rad - pose.heading_rad();
         assert!(off_rad.sin().abs() < 1e-8 && off_rad.cos() > 0.0);
     }
-    let bench = &bench::PictureBench::all(&bed)[0];
-    assert!(bench.stand.place[0] > 400.0, "what lies left of the origin has its room");
+    let device = &devices::LoggedDevice::all(&bed)[0];
+    assert!(device.pose.place[0] > 400.0, "what lies left of the origin has its room");
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn an_hour_of_motion_is_a_bounded_number_of_poses() {
         states[1].t_ns = schedule.duration_ns;
         schedule.plans[0].duration_ns = schedule.duration_ns;
     });
-    let course = BedCourse::new(&hour.verified, "m");
-    let reported = course.plans[0].moments.len() * 3;
+    let motion = BedMotion::new(&hour.verified, "m");
+    let reported = motion.plans[0].moments.len() * 3;
     assert!(reported <= MAX_POSES + 9 && reported > MAX_POSES / 2, "{reported} poses");
 }

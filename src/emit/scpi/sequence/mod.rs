@@ -7,7 +7,7 @@
 use super::{GeneratorOutput, MOST_REPEATS, Sampling};
 use crate::device::instrument::WaveformGeneratorFacts;
 use crate::emit::Signals;
-use crate::emit::parts::parts;
+use crate::emit::hold_parts::parts;
 use crate::emit::signal::half_ns;
 use crate::schedule::Schedule;
 use std::borrow::Cow;
@@ -73,7 +73,7 @@ struct SamplePiece {
 }
 
 /// The signal of an output: the level at which it waits, the pieces, and the level at which it rests.
-struct Score {
+struct OutputSignal {
     ends: [i16; 2],
     pieces: Vec<SamplePiece>,
 }
@@ -95,22 +95,22 @@ pub fn sequence(
 ) -> Option<Sequence> {
     let limits = Limits::of(facts);
     let parts = parts(signals.schedule);
-    let of_part = |part: &Cow<Schedule>| score(&Signals::new(part), channel, output, limits, sampling);
-    let mut scores = parts.iter().map(of_part).collect::<Option<Vec<Score>>>()?;
+    let of_part = |part: &Cow<Schedule>| output_signal(&Signals::new(part), channel, output, limits, sampling);
+    let mut output_signals = parts.iter().map(of_part).collect::<Option<Vec<OutputSignal>>>()?;
     // After a wait at the end comes rest.
     if parts.len() == signals.schedule.holds.len() {
-        let end = scores.last()?.ends[1];
+        let end = output_signals.last()?.ends[1];
         let rest = signals.rest_v(channel).map_or(end, |rest_v| output.code(rest_v));
-        scores.push(Score { ends: [end, rest], pieces: Vec::new() });
+        output_signals.push(OutputSignal { ends: [end, rest], pieces: Vec::new() });
     }
     // Each part waits at the level that the one before it holds.
-    for at in 1..scores.len() {
-        scores[at].ends[0] = scores[at - 1].ends[1];
+    for at in 1..output_signals.len() {
+        output_signals[at].ends[0] = output_signals[at - 1].ends[1];
     }
     let mut written_out = WRITTEN_OUT;
     while written_out < limits.most_points {
         // More samples written out fill the memory, so the loop ends once it is full.
-        let sequence = SequenceBuilder::compose(&scores, limits, written_out)?;
+        let sequence = SequenceBuilder::compose(&output_signals, limits, written_out)?;
         if sequence.steps.len() as u64 <= u64::from(facts.most_steps) {
             return Some(sequence);
         }
@@ -120,16 +120,16 @@ pub fn sequence(
 }
 
 /// The signal of a part without waits.
-fn score(
+fn output_signal(
     signals: &Signals,
     channel: usize,
     output: &GeneratorOutput,
     limits: Limits,
     sampling: &Sampling,
-) -> Option<Score> {
+) -> Option<OutputSignal> {
     let Some(rest_v) = signals.rest_v(channel) else { return positions(signals, channel, output, limits, sampling) };
     let end = output.code(signals.value(channel, signals.schedule.duration_ns));
-    Some(Score { ends: [output.code(rest_v), end], pieces: pieces(signals, channel, output, limits, sampling)? })
+    Some(OutputSignal { ends: [output.code(rest_v), end], pieces: pieces(signals, channel, output, limits, sampling)? })
 }
 
 fn pieces(
@@ -178,7 +178,7 @@ fn positions(
     output: &GeneratorOutput,
     limits: Limits,
     sampling: &Sampling,
-) -> Option<Score> {
+) -> Option<OutputSignal> {
     if sampling.points > MAX_PACKED * limits.most_points {
         return None;
     }
@@ -188,7 +188,7 @@ fn positions(
     let piece = |run: &[i16]| SamplePiece { samples: vec![run[0]], count: run.len() as u64 };
     // The first sample is the one before the trigger.
     let pieces = codes[1..].chunk_by(|a, b| a == b).map(piece).collect();
-    Some(Score { ends: [*codes.first()?, *codes.last()?], pieces })
+    Some(OutputSignal { ends: [*codes.first()?, *codes.last()?], pieces })
 }
 
 /// Merges pieces into segments and steps.
@@ -204,23 +204,23 @@ struct SequenceBuilder {
 
 impl SequenceBuilder {
     /// The sequence; `None` if the segments are too large for the instrument's memory.
-    fn compose(scores: &[Score], limits: Limits, written_out: u64) -> Option<Sequence> {
+    fn compose(output_signals: &[OutputSignal], limits: Limits, written_out: u64) -> Option<Sequence> {
         let (sequence, index) = (Sequence::default(), BTreeMap::new());
         let mut builder = SequenceBuilder { limits, sequence, index, points: 0, pending: Vec::new() };
         let level = |code: i16| vec![code; limits.least_points as usize];
-        for score in scores {
-            builder.step(level(score.ends[0]), 1, Control::OnceWaitTrigger)?;
-            for piece in &score.pieces {
+        for output_signal in output_signals {
+            builder.step(level(output_signal.ends[0]), 1, Control::OnceWaitTrigger)?;
+            for piece in &output_signal.pieces {
                 builder.add(piece, written_out)?;
             }
-            let rest = level(score.ends[1]);
+            let rest = level(output_signal.ends[1]);
             let missing = rest.len().saturating_sub(builder.pending.len());
             if !builder.pending.is_empty() {
                 builder.pending.extend(&rest[..missing]);
             }
             builder.flush()?;
         }
-        builder.step(level(scores.last()?.ends[1]), 1, Control::RepeatForever)?;
+        builder.step(level(output_signals.last()?.ends[1]), 1, Control::RepeatForever)?;
         Some(builder.sequence)
     }
 

@@ -9,7 +9,7 @@ fn small(most_points: u64, most_repeats: u64) -> Limits {
 fn composed(pieces: &[(Vec<i16>, u64)], limits: Limits, written_out: u64) -> Option<Sequence> {
     let pieces: Vec<SamplePiece> =
         pieces.iter().map(|(samples, count)| SamplePiece { samples: samples.clone(), count: *count }).collect();
-    SequenceBuilder::compose(&[Score { ends: [0; 2], pieces }], limits, written_out)
+    SequenceBuilder::compose(&[OutputSignal { ends: [0; 2], pieces }], limits, written_out)
 }
 
 /// The samples between the first and the last step.

@@ -8,7 +8,7 @@ use super::cover::{ObstacleCells, SpacedPlaces, nearest_cell};
 use super::errors;
 use super::errors::Departure;
 use super::liquids::{self, BoardLiquids};
-use super::tray::distance_to;
+use super::scene::distance_to;
 use crate::claims::Job;
 use crate::claims::electrode_array::{
     AssayOperation, BoardPart, Bystanders, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayObstacle,
@@ -27,12 +27,12 @@ pub struct BoardBefore {
     pub fluids: Vec<Fluids>,
     /// Cell of each part, with the place in the program that put it there; `None` if the part is not on the board or
     /// the plan chooses its cell.
-    pub stands: Vec<Option<(ElectrodeCell, Span)>>,
+    pub positions: Vec<Option<(ElectrodeCell, Span)>>,
 }
 
 /// Checks positions between the tasks of a schedule; returns for each electrode-array job its index and its board
 /// before it.
-pub fn places_agree(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, BoardBefore)> {
+pub fn check_positions(jobs: &[Job], sink: &mut Sink) -> Vec<(usize, BoardBefore)> {
     let mut before = Vec::new();
     let mut boards: BTreeMap<&str, BoardWalk> = BTreeMap::new();
     let mut walk = PartsWalk { reported: BTreeSet::new(), covers: BTreeMap::new() };
@@ -93,7 +93,7 @@ fn odd_part<'p>(before: &'p [BoardPart], now: &'p [BoardPart]) -> Option<&'p str
 
 /// Position of a part.
 #[derive(Debug, Clone, Copy)]
-enum PartStand {
+enum PartPosition {
     /// On this cell since the program put or sent it there.
     At(ElectrodeCell, Span),
     /// On one of the goals of its team, or of the cells among which the plan chooses; which one is not known.
@@ -104,9 +104,9 @@ enum PartStand {
     Gone(Departure),
 }
 
-impl PartStand {
-    fn at_first(part: &BoardPart) -> PartStand {
-        part.cell.map_or(PartStand::Due, |cell| PartStand::At(cell, part.span))
+impl PartPosition {
+    fn at_first(part: &BoardPart) -> PartPosition {
+        part.cell.map_or(PartPosition::Due, |cell| PartPosition::At(cell, part.span))
     }
 }
 
@@ -116,7 +116,7 @@ struct BoardWalk {
     /// Obstacles of the scene of the last run; all parts are clear of them.
     obstacles: Arc<Vec<ElectrodeArrayObstacle>>,
     /// By part.
-    stands: Vec<PartStand>,
+    positions: Vec<PartPosition>,
     liquids: BoardLiquids,
     /// The parts on known cells, by index.
     spread: SpacedPlaces<usize>,
@@ -126,23 +126,23 @@ struct BoardWalk {
 
 impl BoardWalk {
     fn of(order: &ElectrodeArrayOrder) -> BoardWalk {
-        let stands = order.parts.iter().map(PartStand::at_first).collect();
+        let positions = order.parts.iter().map(PartPosition::at_first).collect();
         let spread = SpacedPlaces::new(order.facts.separation.apart());
         let (parts, obstacles) = (Arc::clone(&order.parts), Arc::clone(&order.obstacles));
         let mut liquids = BoardLiquids::default();
         liquids.put(&parts);
-        let mut board = BoardWalk { parts, obstacles, stands, liquids, spread, teams: Vec::new() };
-        (0..board.stands.len()).for_each(|part| board.enter(part));
+        let mut board = BoardWalk { parts, obstacles, positions, liquids, spread, teams: Vec::new() };
+        (0..board.positions.len()).for_each(|part| board.occupy(part));
         board
     }
 
     /// The board as known before a task.
     fn before(&self, order: &ElectrodeArrayOrder) -> BoardBefore {
-        let known = |stand: &PartStand| match *stand {
-            PartStand::At(cell, since) => Some((cell, since)),
-            PartStand::Somewhere(_) | PartStand::Due | PartStand::Gone(_) => None,
+        let known = |position: &PartPosition| match *position {
+            PartPosition::At(cell, since) => Some((cell, since)),
+            PartPosition::Somewhere(_) | PartPosition::Due | PartPosition::Gone(_) => None,
         };
-        BoardBefore { fluids: self.liquids.before(order), stands: self.stands.iter().map(known).collect() }
+        BoardBefore { fluids: self.liquids.before(order), positions: self.positions.iter().map(known).collect() }
     }
 
     /// Name of a part in messages; for a member of a team, the name before its index.
@@ -164,8 +164,8 @@ impl BoardWalk {
         self.teams.retain(|team| !team.is_empty());
         moved.iter().chain(&lost).for_each(|part| self.leave(*part));
         for part in lost {
-            if let PartStand::At(_, since) = self.stands[part] {
-                self.stands[part] = PartStand::Somewhere(since);
+            if let PartPosition::At(_, since) = self.positions[part] {
+                self.positions[part] = PartPosition::Somewhere(since);
             }
         }
         let mut teams: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
@@ -175,14 +175,14 @@ impl BoardWalk {
         self.teams.extend(teams.into_values());
     }
 
-    fn enter(&mut self, part: usize) {
-        if let PartStand::At(cell, _) = self.stands[part] {
+    fn occupy(&mut self, part: usize) {
+        if let PartPosition::At(cell, _) = self.positions[part] {
             self.spread.put(cell, part);
         }
     }
 
     fn leave(&mut self, part: usize) {
-        if let PartStand::At(cell, _) = self.stands[part] {
+        if let PartPosition::At(cell, _) = self.positions[part] {
             self.spread.take(cell, |there| there == part);
         }
     }
@@ -191,26 +191,26 @@ impl BoardWalk {
     fn reorder(&mut self, parts: &Arc<Vec<BoardPart>>) {
         let index: BTreeMap<&str, usize> =
             self.parts.iter().enumerate().map(|(index, part)| (part.name.as_str(), index)).collect();
-        let before: Vec<PartStand> = parts
+        let before: Vec<PartPosition> = parts
             .iter()
-            .map(|part| index.get(part.name.as_str()).map_or(PartStand::at_first(part), |at| self.stands[*at]))
+            .map(|part| index.get(part.name.as_str()).map_or(PartPosition::at_first(part), |at| self.positions[*at]))
             .collect();
-        (0..self.stands.len()).for_each(|part| self.leave(part));
+        (0..self.positions.len()).for_each(|part| self.leave(part));
         let now: BTreeMap<&str, usize> = parts.iter().enumerate().map(|(at, part)| (part.name.as_str(), at)).collect();
         let renamed = |part: &usize| now.get(self.parts[*part].name.as_str()).copied();
         self.teams = self.teams.iter().map(|team| team.iter().filter_map(renamed).collect()).collect();
-        self.stands = before;
+        self.positions = before;
         self.parts = Arc::clone(parts);
         self.liquids.put(parts);
-        (0..self.stands.len()).for_each(|part| self.enter(part));
+        (0..self.positions.len()).for_each(|part| self.occupy(part));
     }
 
     /// Reports parts that stand too near to an obstacle when a scene with other obstacles begins.
     fn stands_clear(&self, job: &Job, order: &ElectrodeArrayOrder, walk: &mut PartsWalk) -> Vec<Diagnostic> {
         let cover = walk.cover(order);
         let mut found = Vec::new();
-        for (part, stand) in self.stands.iter().enumerate() {
-            let PartStand::At(cell, since) = *stand else { continue };
+        for (part, position) in self.positions.iter().enumerate() {
+            let PartPosition::At(cell, since) = *position else { continue };
             let Some(obstacle) = cover.covering(cell).map(|index| &order.obstacles[index]) else { continue };
             if walk.reported.insert((job.run_span, Some(cell))) {
                 let (distance, apart) = distance_to(obstacle, cell, &order.facts);
@@ -253,12 +253,12 @@ impl BoardWalk {
         }
         for step in moves {
             let goal = step.goal();
-            self.stands[step.part] = PartStand::At(goal.cell, goal.span);
+            self.positions[step.part] = PartPosition::At(goal.cell, goal.span);
             if let Some(with) = step.with {
-                self.stands[with] = PartStand::Gone(Departure::Merged(step.span));
+                self.positions[with] = PartPosition::Gone(Departure::Merged(step.span));
             }
         }
-        moves.iter().for_each(|step| self.enter(step.part));
+        moves.iter().for_each(|step| self.occupy(step.part));
         found
     }
 
@@ -290,7 +290,7 @@ impl BoardWalk {
                 found.extend(self.comes(operation, &mut walk.reported));
             }
             for part in operation.parts() {
-                if let PartStand::Due = self.stands[part]
+                if let PartPosition::Due = self.positions[part]
                     && walk.reported.insert((operation.span, None))
                 {
                     found.push(errors::not_there_yet(operation.span, &self.parts[part]));
@@ -316,7 +316,7 @@ impl BoardWalk {
             return found;
         }
         for one in &mut moves {
-            if let PartStand::At(cell, span) = self.stands[one.part]
+            if let PartPosition::At(cell, span) = self.positions[one.part]
                 && one.stops.is_empty()
                 && !chosen.contains_key(&one.part)
             {
@@ -326,16 +326,16 @@ impl BoardWalk {
         // Nothing can be judged about a part that stays on an unknown cell.
         moves.retain(|one| !one.stops.is_empty());
         found.extend(self.loops(operations, order, walk));
-        self.lead(led.into_iter().map(|part| (part, chosen[&part])));
+        self.mark_unknown(led.into_iter().map(|part| (part, chosen[&part])));
         let open = AssayOperation::left_open(operations);
         let gone = operations.iter().filter_map(AssayOperation::gone);
         let on = open.keys().copied().chain(gone).collect();
         found.extend(self.advance(&moves, Some(&on), order, walk));
-        self.lead(open.into_iter().map(|(part, operation)| (part, operation.span)));
+        self.mark_unknown(open.into_iter().map(|(part, operation)| (part, operation.span)));
         for operation in operations {
             if let Some((part, departure)) = Departure::of(operation) {
                 self.leave(part);
-                self.stands[part] = PartStand::Gone(departure);
+                self.positions[part] = PartPosition::Gone(departure);
             }
         }
         for part in rests {
@@ -345,21 +345,21 @@ impl BoardWalk {
     }
 
     /// Marks parts as standing where the plan chooses, each since an operation.
-    fn lead(&mut self, parts: impl IntoIterator<Item = (usize, Span)>) {
+    fn mark_unknown(&mut self, parts: impl IntoIterator<Item = (usize, Span)>) {
         for (part, since) in parts {
             self.leave(part);
-            self.stands[part] = PartStand::Somewhere(since);
+            self.positions[part] = PartPosition::Somewhere(since);
         }
     }
 
     /// Reports a part at rest if another part is too near to it at the end.
     fn rests_apart(&mut self, part: usize, order: &ElectrodeArrayOrder, walk: &mut PartsWalk) -> Option<Diagnostic> {
-        let PartStand::At(cell, since) = self.stands[part] else { return None };
+        let PartPosition::At(cell, since) = self.positions[part] else { return None };
         self.leave(part);
         let near = self.spread.near(cell);
-        self.enter(part);
+        self.occupy(part);
         let (at, other) = near?;
-        let PartStand::At(_, span) = self.stands[other] else { return None };
+        let PartPosition::At(_, span) = self.positions[other] else { return None };
         if !walk.reported.insert((span, Some(at))) {
             return None;
         }
@@ -376,8 +376,8 @@ impl BoardWalk {
         order: &ElectrodeArrayOrder,
         walk: &mut PartsWalk,
     ) -> Vec<Diagnostic> {
-        // Cell of each part after its operations so far, `None` where the plan chooses; `stands` has the parts that are
-        // not in the map.
+        // Cell of each part after its operations so far, `None` where the plan chooses; `positions` has the parts
+        // that are not in the map.
         let mut here: BTreeMap<usize, Option<ElectrodeCell>> = BTreeMap::new();
         let mut found = Vec::new();
         for operation in operations {
@@ -398,11 +398,11 @@ impl BoardWalk {
                 let blocked = blocked_loop(name, stop.span, stop.cell, order, &walk.cover(order));
                 wrong.extend(blocked.map(|blocked| (stop.cell, Some(stop), blocked)));
             }
-            let stands = match self.stands[part] {
-                PartStand::At(cell, _) => Some(cell),
-                PartStand::Due | PartStand::Somewhere(_) | PartStand::Gone(_) => None,
+            let known = match self.positions[part] {
+                PartPosition::At(cell, _) => Some(cell),
+                PartPosition::Due | PartPosition::Somewhere(_) | PartPosition::Gone(_) => None,
             };
-            if let Some(corner) = here.get(&part).copied().unwrap_or(stands) {
+            if let Some(corner) = here.get(&part).copied().unwrap_or(known) {
                 let span = at.map_or(operation.span, |stop| stop.span);
                 let blocked = blocked_loop(name, span, corner, order, &walk.cover(order));
                 let blocked = blocked.or_else(|| self.loop_near_part(name, span, corner, operations, order));
@@ -436,7 +436,7 @@ impl BoardWalk {
         let around = order.facts.mixing_loop(corner);
         let near = around.iter().find_map(|cell| self.spread.near(*cell).filter(|(_, other)| stays(other)));
         let (cell, other) = near?;
-        let PartStand::At(_, since) = self.stands[other] else { return None };
+        let PartPosition::At(_, since) = self.positions[other] else { return None };
         let other = errors::PartPlace { name: &self.parts[other].name, cell, span: since };
         Some(errors::loop_near_part(name, span, corner, other, order.facts.separation.apart()))
     }
@@ -445,13 +445,15 @@ impl BoardWalk {
     fn comes(&mut self, operation: &AssayOperation, reported: &mut BTreeSet<Finding>) -> Option<Diagnostic> {
         let (part, cell) = operation.new_part()?;
         let name = &self.parts[part].name;
-        let wrong = match self.stands[part] {
-            PartStand::Due => {
-                self.stands[part] = PartStand::At(cell, operation.span);
+        let wrong = match self.positions[part] {
+            PartPosition::Due => {
+                self.positions[part] = PartPosition::At(cell, operation.span);
                 return None;
             }
-            PartStand::At(_, since) | PartStand::Somewhere(since) => errors::there_already(operation.span, name, since),
-            PartStand::Gone(departure) => errors::gone_before(operation.span, name, departure),
+            PartPosition::At(_, since) | PartPosition::Somewhere(since) => {
+                errors::there_already(operation.span, name, since)
+            }
+            PartPosition::Gone(departure) => errors::gone_before(operation.span, name, departure),
         };
         reported.insert((operation.span, None)).then_some(wrong)
     }
@@ -462,10 +464,10 @@ impl BoardWalk {
         for step in moves {
             for part in step.parts() {
                 let name = &self.parts[part].name;
-                let wrong = match self.stands[part] {
-                    PartStand::At(..) | PartStand::Somewhere(_) => continue,
-                    PartStand::Due => errors::not_there_yet(step.span, &self.parts[part]),
-                    PartStand::Gone(departure) => errors::gone_before(step.span, name, departure),
+                let wrong = match self.positions[part] {
+                    PartPosition::At(..) | PartPosition::Somewhere(_) => continue,
+                    PartPosition::Due => errors::not_there_yet(step.span, &self.parts[part]),
+                    PartPosition::Gone(departure) => errors::gone_before(step.span, name, departure),
                 };
                 if reported.insert((step.span, None)) {
                     found.push(wrong);
@@ -501,7 +503,7 @@ impl BoardWalk {
         free: Option<ElectrodeCell>,
         in_assay: bool,
     ) -> Diagnostic {
-        let PartStand::At(cell, since) = self.stands[other] else {
+        let PartPosition::At(cell, since) = self.positions[other] else {
             return errors::gone_before(step.span, &self.parts[other].name, Departure::Merged(step.span));
         };
         let apart = order.facts.separation.apart();

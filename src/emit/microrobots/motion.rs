@@ -5,7 +5,7 @@
 
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
 use crate::device::microrobots::{Arm, Robot};
-use crate::emit::course;
+use crate::emit::motion;
 use crate::geometry::Pose;
 use crate::schedule::microrobots::MicrorobotsState;
 use crate::schedule::{Actuation, PlanRecord, Schedule, State};
@@ -29,15 +29,15 @@ const TURN_ROUNDING: f64 = 1e-9;
 const NOSE_PART: f64 = 0.2;
 
 /// Motion of a bed in all plans.
-pub struct BedCourse<'a> {
+pub struct BedMotion<'a> {
     /// Names of the robots on the bed, in the order of the table.
     pub robots: Vec<String>,
     /// In order of time.
-    pub plans: Vec<BedPlanCourse<'a>>,
+    pub plans: Vec<BedPlanMotion<'a>>,
 }
 
 /// Motion of a bed in one plan.
-pub struct BedPlanCourse<'a> {
+pub struct BedPlanMotion<'a> {
     pub order: &'a MicrorobotsOrder,
     pub start_ns: u64,
     pub legs: Vec<ControlLeg<'a>>,
@@ -81,16 +81,16 @@ pub struct SweptDisc {
     pub reach_um: f64,
 }
 
-impl<'a> BedCourse<'a> {
+impl<'a> BedMotion<'a> {
     /// Motion of a device; empty for one of another kind.
     pub fn new(verified: &'a Verified, device: &str) -> Self {
         let trains = trains(verified.schedule(), device);
-        let jobs = course::jobs(verified, device).into_iter();
-        let plans = jobs.filter_map(|(job, plan)| BedPlanCourse::new(MicrorobotsOrder::of(&job.order)?, plan, &trains));
-        let mut plans: Vec<BedPlanCourse> = plans.collect();
+        let jobs = motion::jobs(verified, device).into_iter();
+        let plans = jobs.filter_map(|(job, plan)| BedPlanMotion::new(MicrorobotsOrder::of(&job.order)?, plan, &trains));
+        let mut plans: Vec<BedPlanMotion> = plans.collect();
         let robots = plans.first().map_or_else(Vec::new, |plan| names(plan.order));
         plans.retain(|plan| plan.order.robots.len() == robots.len());
-        let wanted = plans.iter().map(BedPlanCourse::wanted).fold(0, usize::saturating_add);
+        let wanted = plans.iter().map(BedPlanMotion::wanted).fold(0, usize::saturating_add);
         let most = MAX_POSES / robots.len().max(1);
         for plan in &mut plans {
             plan.moments = moments(plan, most.min(wanted) as f64 / wanted.max(1) as f64);
@@ -99,12 +99,12 @@ impl<'a> BedCourse<'a> {
         if let Some(first) = plans.first_mut().and_then(|plan| plan.moments.first_mut()) {
             first.t_ns = 0;
         }
-        BedCourse { robots, plans }
+        BedMotion { robots, plans }
     }
 
     /// The leg at an instant, with its plan, and the poses of the robots then. Before the first leg they stand where it
     /// begins.
-    pub fn at(&self, t_ns: u64) -> Option<(&BedPlanCourse<'a>, &ControlLeg<'a>, Vec<Pose>)> {
+    pub fn at(&self, t_ns: u64) -> Option<(&BedPlanMotion<'a>, &ControlLeg<'a>, Vec<Pose>)> {
         let begun = self.plans.iter().rfind(|plan| plan.start_ns <= t_ns);
         let plan = begun.or_else(|| self.plans.first())?;
         let after = plan.legs.partition_point(|leg| leg.start_ns <= t_ns);
@@ -147,7 +147,7 @@ fn trains<'a>(schedule: &'a Schedule, device: &str) -> Vec<&'a Actuation> {
     schedule.actuations.iter().filter(of_device).collect()
 }
 
-impl<'a> BedPlanCourse<'a> {
+impl<'a> BedPlanMotion<'a> {
     fn new(order: &'a MicrorobotsOrder, plan: &'a PlanRecord, trains: &[&Actuation]) -> Option<Self> {
         let mut legs = Vec::with_capacity(plan.states.len());
         for (index, timed) in plan.states.iter().enumerate() {
@@ -173,7 +173,7 @@ impl<'a> BedPlanCourse<'a> {
             let train_ns = train.map(|train| [train.start_ns, train.end_ns()]);
             legs.push(ControlLeg { start_ns: timed.t_ns, end_ns, control: *control, arms, train_ns, movers });
         }
-        Some(BedPlanCourse { order, start_ns: plan.start_ns, legs, moments: Vec::new() })
+        Some(BedPlanMotion { order, start_ns: plan.start_ns, legs, moments: Vec::new() })
     }
 
     /// Number of desired poses per robot.
@@ -233,7 +233,7 @@ impl ControlLeg<'_> {
 }
 
 /// A share of the desired poses of a plan: at its start, at the start of each train, and along the train to its end.
-fn moments(plan: &BedPlanCourse, share: f64) -> Vec<BedMoment> {
+fn moments(plan: &BedPlanMotion, share: f64) -> Vec<BedMoment> {
     let mut moments: Vec<BedMoment> = Vec::new();
     let mut tell = |t_ns: u64, poses: Vec<Pose>| {
         if moments.last().is_none_or(|last| last.t_ns < t_ns) {

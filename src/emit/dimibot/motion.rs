@@ -3,7 +3,7 @@
 use crate::claims::dimibot::{DimibotAction, DimibotOrder, DimibotStop};
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side};
 use crate::emit::Signals;
-use crate::emit::course::{self, plans};
+use crate::emit::motion::{self, plans};
 use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{PlanRecord, State, TimedState};
 use crate::verify::Verified;
@@ -75,7 +75,7 @@ pub fn tiles_um(facts: &DimibotFacts, from: LatticeCell, to: LatticeCell) -> ([f
 
 /// The orders of a device with their plans, in order of time.
 pub fn jobs<'a>(verified: &'a Verified, device: &str) -> Vec<(&'a DimibotOrder, &'a PlanRecord)> {
-    let jobs = course::jobs(verified, device).into_iter();
+    let jobs = motion::jobs(verified, device).into_iter();
     jobs.filter_map(|(job, plan)| Some((DimibotOrder::of(&job.order)?, plan))).collect()
 }
 

@@ -8,7 +8,7 @@ use crate::claims::electrode_array::{
     ElectrodeArrayOrder, ElectrodeArrayStep, ElectrodeArrayStop,
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
-use crate::emit::course;
+use crate::emit::motion;
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{PlanRecord, ScheduledStep, State};
 use crate::verify::Verified;
@@ -48,7 +48,7 @@ pub fn runs<'a>(verified: &'a Verified, device: &str) -> Vec<(Cow<'a, ElectrodeA
             |step: &&ScheduledStep| schedule.plans.get(step.plan as usize).is_some_and(|own| std::ptr::eq(own, plan));
         Some((at_chosen_places(order, schedule.steps.iter().filter(own)), plan))
     };
-    course::jobs(verified, device).into_iter().filter_map(placed).collect()
+    motion::jobs(verified, device).into_iter().filter_map(placed).collect()
 }
 
 /// An order with its operations at the places that its plan has chosen; `steps` are those of the plan.
@@ -142,7 +142,7 @@ pub fn zone_body(zone: &BoardZone) -> [[f64; 2]; 2] {
 
 /// The goals of every step of a task: the part's index, or `None` if any of several parts may take the goal, and the
 /// cell.
-pub fn asked(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (Option<usize>, ElectrodeCell)> + '_ {
+pub fn goal_cells(order: &ElectrodeArrayOrder) -> impl Iterator<Item = (Option<usize>, ElectrodeCell)> + '_ {
     let stops = |part: Option<usize>, stops: &[ElectrodeArrayStop]| -> Vec<(Option<usize>, ElectrodeCell)> {
         stops.iter().map(|stop| (part, stop.cell)).collect()
     };

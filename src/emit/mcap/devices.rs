@@ -1,7 +1,7 @@
 //! The devices of a log with their jobs in order of time; each stands where its scene places it, the others side by
 //! side.
 
-use super::frames::{self, Mover, StandingPose};
+use super::frames::{self, FramePose, Mover};
 use super::{LogTopic, pictures};
 use crate::claims::{Claims, Job};
 use crate::verify::Verified;
@@ -11,43 +11,43 @@ use std::collections::BTreeMap;
 const GAP: f64 = 5.0;
 
 /// Position of a device in pictures.
-pub struct PictureBench<'a> {
-    pub device: &'a str,
+pub struct LoggedDevice<'a> {
+    pub name: &'a str,
     /// Its pose in the frame `world`.
-    pub stand: StandingPose,
+    pub pose: FramePose,
     /// Its first job.
     pub job: &'a Job,
 }
 
-impl<'a> PictureBench<'a> {
+impl<'a> LoggedDevice<'a> {
     /// The devices in the order of their first jobs: those that a scene places are there, the others side by side.
-    pub fn all(verified: &'a Verified) -> Vec<PictureBench<'a>> {
+    pub fn all(verified: &'a Verified) -> Vec<LoggedDevice<'a>> {
         let claims = verified.claims();
-        let mut benches: Vec<PictureBench> = Vec::new();
+        let mut devices: Vec<LoggedDevice> = Vec::new();
         let mut left = right_of_placed(claims);
         for job in &claims.jobs {
-            if benches.iter().any(|bench| bench.device == job.device) {
+            if devices.iter().any(|device| device.name == job.device) {
                 continue;
             }
-            let stand = match claims.frame(&job.device) {
-                Some(frame) => StandingPose::turned([frame.x_um, frame.y_um, 0.0], frame.heading_rad),
+            let pose = match claims.frame(&job.device) {
+                Some(frame) => FramePose::turned([frame.x_um, frame.y_um, 0.0], frame.heading_rad),
                 None => {
                     let [low, high] = pictures(&job.order).reach();
                     let offset = left - low;
                     left += high - low + GAP;
-                    StandingPose::at([offset, 0.0, 0.0])
+                    FramePose::at([offset, 0.0, 0.0])
                 }
             };
-            benches.push(PictureBench { device: &job.device, stand, job });
+            devices.push(LoggedDevice { name: &job.device, pose, job });
         }
-        benches
+        devices
     }
 }
 
 /// `/tf` of all devices and of the movers in their frames.
-pub fn frames(benches: &[PictureBench], movers: &[Mover]) -> LogTopic {
-    let stands: Vec<(&str, StandingPose)> = benches.iter().map(|bench| (bench.device, bench.stand)).collect();
-    frames::topic(&stands, movers)
+pub fn frames(devices: &[LoggedDevice], movers: &[Mover]) -> LogTopic {
+    let poses: Vec<(&str, FramePose)> = devices.iter().map(|device| (device.name, device.pose)).collect();
+    frames::topic(&poses, movers)
 }
 
 /// Start along x of the devices that no scene places.

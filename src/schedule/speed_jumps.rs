@@ -4,7 +4,7 @@ use super::{Actuation, Schedule};
 
 /// A jump of a stage's speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turn {
+pub struct SpeedJump {
     pub t_ns: u64,
     /// Above 0.
     pub change_um_per_s: f64,
@@ -16,7 +16,7 @@ pub struct Turn {
 }
 
 /// An interval of constant speed.
-struct Stretch {
+struct SpeedInterval {
     start_ns: u64,
     speed_um_per_s: f64,
     step: u32,
@@ -39,11 +39,11 @@ impl Schedule {
     }
 
     /// The speed jumps of a channel of positions, in order of time.
-    pub fn turns(&self, channel: usize) -> Vec<Turn> {
-        let mut stretches = vec![Stretch { start_ns: 0, speed_um_per_s: 0.0, step: 0 }];
+    pub fn speed_jumps(&self, channel: usize) -> Vec<SpeedJump> {
+        let mut intervals = vec![SpeedInterval { start_ns: 0, speed_um_per_s: 0.0, step: 0 }];
         let mut add = |start_ns: u64, speed_um_per_s: f64, step: u32| {
-            if stretches.last().is_none_or(|last| last.speed_um_per_s != speed_um_per_s) {
-                stretches.push(Stretch { start_ns, speed_um_per_s, step });
+            if intervals.last().is_none_or(|last| last.speed_um_per_s != speed_um_per_s) {
+                intervals.push(SpeedInterval { start_ns, speed_um_per_s, step });
             }
         };
         let mut end = None;
@@ -57,17 +57,17 @@ impl Schedule {
         if let Some((end_ns, step)) = end {
             add(end_ns, 0.0, step);
         }
-        let lasts_ns = |index: usize| match (index, stretches.get(index + 1)) {
+        let lasts_ns = |index: usize| match (index, intervals.get(index + 1)) {
             (0, _) | (_, None) => u64::MAX,
-            (_, Some(next)) => next.start_ns - stretches[index].start_ns,
+            (_, Some(next)) => next.start_ns - intervals[index].start_ns,
         };
-        let turn = |(index, pair): (usize, &[Stretch])| Turn {
+        let jump = |(index, pair): (usize, &[SpeedInterval])| SpeedJump {
             t_ns: pair[1].start_ns,
             change_um_per_s: (pair[1].speed_um_per_s - pair[0].speed_um_per_s).abs(),
             room_ns: lasts_ns(index).min(lasts_ns(index + 1)),
             step: pair[1].step,
         };
-        stretches.windows(2).enumerate().map(turn).collect()
+        intervals.windows(2).enumerate().map(jump).collect()
     }
 }
 
@@ -77,7 +77,7 @@ mod tests {
 
     /// Compares the speed before and after every instant at which an actuation begins or ends.
     #[test]
-    fn turns_are_where_the_speed_changes() {
+    fn speed_jumps_are_where_the_speed_changes() {
         let hand = fixture::hand().verified;
         let schedule = hand.schedule();
         let mut count = 0;
@@ -90,15 +90,15 @@ mod tests {
             edges.dedup();
             let changes = edges.iter().map(|t_ns| (*t_ns, (speed(*t_ns) - speed(t_ns - 1)).abs()));
             let expected: Vec<(u64, f64)> = changes.filter(|(_, change)| *change > 0.0).collect();
-            let turns = schedule.turns(channel);
-            assert_eq!(turns.iter().map(|turn| (turn.t_ns, turn.change_um_per_s)).collect::<Vec<_>>(), expected);
-            for (index, turn) in turns.iter().enumerate() {
+            let speed_jumps = schedule.speed_jumps(channel);
+            assert_eq!(speed_jumps.iter().map(|jump| (jump.t_ns, jump.change_um_per_s)).collect::<Vec<_>>(), expected);
+            for (index, jump) in speed_jumps.iter().enumerate() {
                 let gap = |a: Option<&(u64, f64)>, b: Option<&(u64, f64)>| Some(b?.0 - a?.0);
                 let around = [
                     gap(index.checked_sub(1).and_then(|before| expected.get(before)), expected.get(index)),
                     gap(expected.get(index), expected.get(index + 1)),
                 ];
-                assert_eq!(turn.room_ns, around.into_iter().flatten().min().unwrap_or(u64::MAX));
+                assert_eq!(jump.room_ns, around.into_iter().flatten().min().unwrap_or(u64::MAX));
                 count += 1;
             }
         }

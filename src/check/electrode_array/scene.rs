@@ -60,7 +60,7 @@ impl BoardScene {
 
 impl Checker<'_> {
     /// The scene of a task for its device; judged once.
-    pub fn tray(&mut self, site: &TaskSite, facts: &ElectrodeArrayFacts) -> Rc<BoardScene> {
+    pub fn board_scene(&mut self, site: &TaskSite, facts: &ElectrodeArrayFacts) -> Rc<BoardScene> {
         self.scene_met(site, |checker, scene| match scene {
             Some(scene) => judged_scene(scene, &site.device, facts, checker.sink),
             None => judged(&[], &site.device, facts, checker.sink),
@@ -113,7 +113,7 @@ fn judged(
     let may_come = is_droplet || objects.iter().any(|object| object.noun == BoardNoun::Reservoir.name());
     for object in objects {
         if let Some(sort) = ZoneSort::find(&object.noun) {
-            let zone = TrayReader { object, device, facts, sink }.zone(sort, &zones);
+            let zone = BoardSceneReader { object, device, facts, sink }.zone(sort, &zones);
             sites.insert(&object.name, zone.as_ref().map(|_| zones.len()));
             names.insert_other(&object.name, sort.name(), object.span);
             reservoirs.insert_other(&object.name, sort.name(), object.span);
@@ -126,7 +126,7 @@ fn judged(
         };
         let names_other = |names: &mut ObjectNames| names.insert_other(&object.name, noun.name(), object.span);
         names_other(&mut sites);
-        let mut reader = TrayReader { object, device, facts, sink };
+        let mut reader = BoardSceneReader { object, device, facts, sink };
         match noun {
             BoardNoun::Part => {
                 let part = reader.part(may_come);
@@ -171,14 +171,14 @@ fn judged(
 }
 
 /// Reads one object of a scene.
-struct TrayReader<'a> {
+struct BoardSceneReader<'a> {
     object: &'a SceneObject,
     device: &'a CheckedDevice,
     facts: &'a ElectrodeArrayFacts,
     sink: &'a mut Sink,
 }
 
-impl TrayReader<'_> {
+impl BoardSceneReader<'_> {
     /// A part; one without a place is a droplet that is dispensed or split off later.
     fn part(&mut self, may_come: bool) -> Option<StandingPart> {
         let shape = self.object.shape.as_ref();

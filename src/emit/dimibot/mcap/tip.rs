@@ -3,10 +3,10 @@
 //! A module snaps at some instant within its pulse, so the old pose is repeated at the start of the pulse and the new
 //! one is written at its end.
 
-use crate::emit::course::plans;
-use crate::emit::dimibot::course::place;
+use crate::emit::dimibot::motion::place;
 use crate::emit::mcap::LogTopic;
 use crate::emit::mcap::foxglove::{self, PoseInFrame, PosesInFrame};
+use crate::emit::motion::plans;
 use crate::verify::Verified;
 
 /// The frame that moves with a device's end-effector.

@@ -2,7 +2,7 @@
 
 use super::errors;
 use super::goals::{BoardStepJudge, is_assay, phrases};
-use super::places::BoardBefore;
+use super::positions::BoardBefore;
 use crate::check::lets::Argument;
 use crate::check::tasks::{VocabularyAction, VocabularyStep};
 use crate::check::value::{ObjectName, Value};
@@ -70,7 +70,7 @@ impl BoardStepJudge<'_> {
         let from = phrases(call, "with").next()?;
         let exit = self.stop(exit);
         let Value::Object(ObjectName { name, .. }) = &from.value else { return None };
-        let is_dispensed = self.tray.outlets.iter().any(|outlet| outlet.name == *name);
+        let is_dispensed = self.board_scene.outlets.iter().any(|outlet| outlet.name == *name);
         self.sink.unless((!is_dispensed).then(|| errors::washes_from_no_reservoir(from.span, name)))?;
         let (fluid, outlet, dispense_ns) = self.dispensing(call, from)?;
         Some(WashCourse { fluid, outlet, dispense_ns, exit: exit?, span: call.span })
@@ -90,10 +90,10 @@ impl BoardStepJudge<'_> {
     /// A fluid of the scene by its name; `None` after an error.
     fn fluid(&mut self, asked: &Argument) -> Option<String> {
         let Value::Object(ObjectName { name, word, .. }) = &asked.value else { return None };
-        if self.tray.is_faulty_fluid(name) {
+        if self.board_scene.is_faulty_fluid(name) {
             return None;
         }
-        let fluids = self.tray.fluids();
+        let fluids = self.board_scene.fluids();
         let wrong = (!fluids.contains(name.as_str()))
             .then(|| errors::unknown_fluid(Code::E0565, asked.span, name, *word, &fluids, self.scene));
         asked.unless(wrong, self.sink)?;
@@ -103,7 +103,7 @@ impl BoardStepJudge<'_> {
 
 /// Enters the fluids of the parts before each order, by job index, and reports operations at one place that contaminate
 /// each other in any plan.
-pub fn agree(jobs: &mut [Job], before: Vec<(usize, BoardBefore)>, sink: &mut Sink) {
+pub fn check_contamination(jobs: &mut [Job], before: Vec<(usize, BoardBefore)>, sink: &mut Sink) {
     let (mut reported, mut warned) = (BTreeSet::new(), BTreeSet::new());
     for (nth, board) in before {
         let (earlier, rest) = jobs.split_at_mut(nth);
@@ -113,14 +113,14 @@ pub fn agree(jobs: &mut [Job], before: Vec<(usize, BoardBefore)>, sink: &mut Sin
         }
         let is_cleaned =
             holds.iter().any(|hold| hold.step == 0 && matches!(hold.terms.awaited, Awaited::Person { .. }));
-        let soiling = soiled_before(earlier, device, order, &board.fluids).filter(|_| !is_cleaned);
-        if let Some((earlier, trace)) = soiling
+        let contaminating = contaminated_before(earlier, device, order, &board.fluids).filter(|_| !is_cleaned);
+        if let Some((earlier, trace)) = contaminating
             && warned.insert((*run_span, trace.span))
         {
-            sink.push(errors::soiled_before(trace.span, &trace.of, earlier));
+            sink.push(errors::contaminated_before(trace.span, &trace.of, earlier));
         }
         order.contamination.before = board.fluids;
-        let harmed = harmed_at_one_place(order, &board.stands);
+        let harmed = harmed_at_one_place(order, &board.positions);
         if let Some((span, wrong)) = harmed.filter(|(span, _)| reported.insert(*span)) {
             sink.push(wrong.label_elsewhere(order.contamination.avoided[0].span, span, "avoided here"));
         }
@@ -128,7 +128,7 @@ pub fn agree(jobs: &mut [Job], before: Vec<(usize, BoardBefore)>, sink: &mut Sin
 }
 
 /// The last earlier task of a device that moved a fluid whose traces an order avoids, and the trace.
-fn soiled_before<'a>(
+fn contaminated_before<'a>(
     earlier: &'a [Job],
     device: &str,
     order: &'a ElectrodeArrayOrder,
@@ -162,18 +162,18 @@ struct PlacedDroplets {
 }
 
 impl PlacedDroplets {
-    /// The positions in an assay; `stands` has the cell of each part before it.
+    /// The positions in an assay; `positions` has the cell of each part before it.
     fn of(
         order: &ElectrodeArrayOrder,
         operations: &[AssayOperation],
-        stands: &[Option<(ElectrodeCell, Span)>],
+        positions: &[Option<(ElectrodeCell, Span)>],
     ) -> PlacedDroplets {
         let mut fluids = order.contamination.before.clone();
         let (mut starts, mut stopped) = (Vec::new(), Vec::new());
         // By part.
         let mut ends: BTreeMap<usize, (ElectrodeCell, Span)> = BTreeMap::new();
-        for (part, stand) in stands.iter().enumerate() {
-            let Some((cell, span)) = *stand else { continue };
+        for (part, position) in positions.iter().enumerate() {
+            let Some((cell, span)) = *position else { continue };
             starts.push(PlacedDroplet { part, fluids: fluids[part].clone(), cell, span });
             ends.insert(part, (cell, span));
         }
@@ -206,7 +206,7 @@ impl PlacedDroplets {
 /// that starts, stops or ends there. `None` for orders with washes.
 fn harmed_at_one_place(
     order: &ElectrodeArrayOrder,
-    stands: &[Option<(ElectrodeCell, Span)>],
+    positions: &[Option<(ElectrodeCell, Span)>],
 ) -> Option<(Span, Diagnostic)> {
     let contamination = &order.contamination;
     if !contamination.washes.is_empty() {
@@ -216,11 +216,11 @@ fn harmed_at_one_place(
         ElectrodeArrayAction::Assay(operations) => Some(operations),
         ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_) => None,
     })?;
-    let placed = PlacedDroplets::of(order, assay, stands);
+    let placed = PlacedDroplets::of(order, assay, positions);
     let (starts, ends) = (by_cell(&placed.starts), by_cell(&placed.ends));
     let mut earlier: DropletsByCell = BTreeMap::new();
     let harms = |left: &PlacedDroplet, comes: &PlacedDroplet| {
-        left.part != comes.part && contamination.does_harm(&left.fluids, &comes.fluids)
+        left.part != comes.part && contamination.contaminates(&left.fluids, &comes.fluids)
     };
     let name = |of: &PlacedDroplet| order.parts[of.part].name.as_str();
     placed.stops.iter().find_map(|stop| {

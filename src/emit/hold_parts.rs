@@ -28,7 +28,7 @@ pub fn parts(schedule: &Schedule) -> Vec<Cow<'_, Schedule>> {
     let whole = Signals::new(schedule);
     let starts = [0].into_iter().chain(schedule.holds.iter().map(ScheduledHold::end_ns));
     let holds = schedule.holds.iter().map(Some).chain([None]);
-    let all = starts.zip(holds).map(|(start_ns, hold)| Cow::Owned(part(&whole, start_ns, hold)));
+    let all = starts.zip(holds).map(|(start_ns, hold)| Cow::Owned(clip_part(&whole, start_ns, hold)));
     // After a wait at the end there is nothing to play.
     let mut all: Vec<Cow<Schedule>> = all.collect();
     if all.len() > 1 && all.last().is_some_and(|last| last.duration_ns == 0) {
@@ -42,7 +42,7 @@ pub fn cuts_ns(schedule: &Schedule) -> impl Iterator<Item = u64> {
     schedule.holds.iter().flat_map(|hold| [hold.start_ns, hold.end_ns(), LEAST_NS.min(hold.terms.duration_ns)])
 }
 
-fn part(whole: &Signals, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedule {
+fn clip_part(whole: &Signals, start_ns: u64, hold: Option<&ScheduledHold>) -> Schedule {
     let schedule = whole.schedule;
     let (end_ns, held_ns) = match hold {
         None => (schedule.duration_ns, schedule.duration_ns),
@@ -157,10 +157,10 @@ pub fn sender(template: &str, listing: &serde_json::Value) -> String {
 /// An error if a schedule waits and the format cannot express that.
 pub fn refuse_holds(format: Format, schedule: &Schedule) -> Result<(), EmitError> {
     let Some(hold) = schedule.holds.first() else { return Ok(()) };
-    let unsayable = |what: String, help: &str| Err(EmitError::Unsayable { format, what, help: help.to_owned() });
+    let unsupported = |what: String, help: &str| Err(EmitError::Unsupported { format, what, help: help.to_owned() });
     match format {
         Format::Mcap | Format::Json | Format::Html | Format::Svg | Format::Sheet => Ok(()),
-        Format::Csv | Format::Vcd | Format::Pwl | Format::Opendrop => unsayable(
+        Format::Csv | Format::Vcd | Format::Pwl | Format::Opendrop => unsupported(
             format!("the wait for {}: it has one clock", hold.terms.awaited.shown()),
             "write `--emit scpi`, `nidaqmx`, `frames`, `stages` or `gcode`, which wait, or `mcap`, `json` and `html`, which show the longest wait",
         ),
@@ -182,7 +182,7 @@ fn refuse_all_but_prompts(schedule: &Schedule) -> Result<(), EmitError> {
     let what =
         format!("the wait for {}{bound}: it has only prompts without a longest time", hold.terms.awaited.shown());
     let help = "write `--emit frames`, whose sender waits for both, or `prompt` without `for at most`".to_owned();
-    Err(EmitError::Unsayable { format: Format::Microdrop, what, help })
+    Err(EmitError::Unsupported { format: Format::Microdrop, what, help })
 }
 
 /// An error if a schedule waits and its instruments are not all played by one sender.
@@ -202,5 +202,5 @@ fn refuse_two_senders(format: Format, schedule: &Schedule) -> Result<(), EmitErr
     };
     let help =
         "wire all channels of a program that waits to instruments of one family, generators to one of them".to_owned();
-    Err(EmitError::Unsayable { format, what: what.to_owned(), help })
+    Err(EmitError::Unsupported { format, what: what.to_owned(), help })
 }

@@ -7,7 +7,7 @@
 use crate::claims::fingers::{FingersOrder, Section};
 use crate::device::fingers::{AXES, Plane, finger_axis};
 use crate::emit::Signals;
-use crate::emit::course;
+use crate::emit::motion;
 use crate::geometry::outline::Curve;
 use crate::schedule::fingers::FingersState;
 use crate::schedule::{PlanRecord, State};
@@ -23,15 +23,15 @@ pub const MAX_MOMENTS: usize = 20_000;
 const CORNERS: u32 = 128;
 
 /// Motion of a hand in all plans.
-pub struct HandCourse<'a> {
+pub struct HandMotion<'a> {
     pub fingers: usize,
     stages: FingerChannels,
     /// In order of time.
-    pub plans: Vec<HandPlanCourse<'a>>,
+    pub plans: Vec<HandPlanMotion<'a>>,
 }
 
 /// Motion of a hand in one plan.
-pub struct HandPlanCourse<'a> {
+pub struct HandPlanMotion<'a> {
     pub order: &'a FingersOrder,
     pub start_ns: u64,
     /// In order of time.
@@ -72,12 +72,12 @@ pub struct HandMoment {
 /// Channels of each finger, in the order of the axes.
 type FingerChannels = Vec<[usize; 3]>;
 
-impl<'a> HandCourse<'a> {
+impl<'a> HandMotion<'a> {
     /// Motion of a device; empty for one of another kind.
     pub fn new(verified: &'a Verified, signals: &Signals, device: &str) -> Self {
-        let jobs = course::jobs(verified, device).into_iter();
-        let plans = jobs.filter_map(|(job, plan)| HandPlanCourse::new(FingersOrder::of(&job.order)?, plan));
-        let mut plans: Vec<HandPlanCourse> = plans.collect();
+        let jobs = motion::jobs(verified, device).into_iter();
+        let plans = jobs.filter_map(|(job, plan)| HandPlanMotion::new(FingersOrder::of(&job.order)?, plan));
+        let mut plans: Vec<HandPlanMotion> = plans.collect();
         let fingers = plans.first().map_or(0, |plan| plan.order.facts.fingers as usize);
         let stages = stages(signals, device, fingers);
         let breaks: Vec<u64> = signals.breaks(stages.iter().flatten().copied()).into_iter().collect();
@@ -86,18 +86,18 @@ impl<'a> HandCourse<'a> {
         let share = (MAX_MOMENTS as f64 / wanted.max(1.0)).min(1.0);
         for (plan, stretches) in plans.iter_mut().zip(&stretches) {
             let pairs = plan.grasps.windows(2);
-            plan.motions = pairs.map(|pair| motion(signals, &stages, &pair[0], pair[1].t_ns)).collect();
+            plan.motions = pairs.map(|pair| holding_motion(signals, &stages, &pair[0], pair[1].t_ns)).collect();
             plan.moments = plan.moments(signals, &stages, stretches, share);
         }
         // Before the first task everything stands where it begins.
         if let Some(first) = plans.first_mut().and_then(|plan| plan.moments.first_mut()) {
             first.t_ns = 0;
         }
-        HandCourse { fingers, stages, plans }
+        HandMotion { fingers, stages, plans }
     }
 
     /// Positions at an instant, with the plan and the index of its current grasp.
-    pub fn at(&self, signals: &Signals, t_ns: u64) -> Option<(&HandPlanCourse<'a>, usize, HandMoment)> {
+    pub fn at(&self, signals: &Signals, t_ns: u64) -> Option<(&HandPlanMotion<'a>, usize, HandMoment)> {
         let begun = self.plans.iter().rfind(|plan| plan.start_ns <= t_ns);
         let plan = begun.or_else(|| self.plans.first()).filter(|plan| !plan.grasps.is_empty())?;
         let after = plan.grasps.partition_point(|grasp| grasp.t_ns <= t_ns);
@@ -137,7 +137,7 @@ fn wanted(signals: &Signals, stages: &FingerChannels, [start_ns, end_ns]: [u64; 
     (stages.iter().map(way).fold(0.0, f64::max) / STEP_UM).ceil()
 }
 
-impl<'a> HandPlanCourse<'a> {
+impl<'a> HandPlanMotion<'a> {
     fn new(order: &'a FingersOrder, plan: &'a PlanRecord) -> Option<Self> {
         let mut grasps = Vec::with_capacity(plan.states.len());
         for timed in &plan.states {
@@ -154,7 +154,7 @@ impl<'a> HandPlanCourse<'a> {
                 part: PartPose { position_um: *position_um, orientation: *orientation },
             });
         }
-        Some(HandPlanCourse { order, start_ns: plan.start_ns, grasps, motions: Vec::new(), moments: Vec::new() })
+        Some(HandPlanMotion { order, start_ns: plan.start_ns, grasps, motions: Vec::new(), moments: Vec::new() })
     }
 
     /// Intervals between instants at which a tip may change direction or a state is recorded.
@@ -209,7 +209,7 @@ impl<'a> HandPlanCourse<'a> {
 }
 
 /// Start and end of the motion of the holding fingers after a grasp, until an instant.
-fn motion(signals: &Signals, stages: &FingerChannels, grasp: &RecordedGrasp, end_ns: u64) -> Option<[u64; 2]> {
+fn holding_motion(signals: &Signals, stages: &FingerChannels, grasp: &RecordedGrasp, end_ns: u64) -> Option<[u64; 2]> {
     let holding = stages.iter().zip(grasp.contacts).filter(|(_, contact)| **contact > 0);
     let channels = holding.flat_map(|(stage, _)| stage);
     let ramps = channels.flat_map(|channel| {

@@ -20,7 +20,7 @@ const PART_TURNS: usize = 4_000;
 
 /// A part of a scene.
 #[derive(Debug, Clone)]
-pub struct Lying {
+pub struct ScenePart {
     /// `None` if it has a fault, already reported.
     pub judged: Option<JudgedPart>,
 }
@@ -28,19 +28,19 @@ pub struct Lying {
 /// A scene as a hand uses it.
 #[derive(Debug, Clone, Default)]
 pub struct HandScene {
-    pub parts: BTreeMap<String, Lying>,
+    pub parts: BTreeMap<String, ScenePart>,
 }
 
 impl Checker<'_> {
     /// The scene of a task for its device, judged once.
-    pub fn bench(&mut self, site: &TaskSite, facts: &FingersFacts) -> Rc<HandScene> {
+    pub fn hand_scene(&mut self, site: &TaskSite, facts: &FingersFacts) -> Rc<HandScene> {
         self.scene_met(site, |checker, scene| {
             let Some(scene) = scene else { return HandScene::default() };
             // Each scene is judged, and charged, again for each hand.
             let is_solid = |one: &&Rc<SceneObject>| one.shape.as_ref().is_some_and(|s| s.value.form.is_of_space());
             let solids: Vec<Span> = scene.objects.iter().filter(is_solid).map(|object| object.span).collect();
             match solids.first() {
-                Some(span) if !checker.counts_as_outline(solids.len() * PART_TURNS, *span) => broken(scene),
+                Some(span) if !checker.charge_iterations(solids.len() * PART_TURNS, *span) => broken(scene),
                 Some(_) | None => judged(scene, &site.device, facts, checker.sink),
             }
         })
@@ -49,7 +49,7 @@ impl Checker<'_> {
 
 /// A scene with a fault that suppresses further findings.
 fn broken(scene: &CheckedScene) -> HandScene {
-    let broken = scene.objects.iter().map(|object| (object.name.clone(), Lying { judged: None }));
+    let broken = scene.objects.iter().map(|object| (object.name.clone(), ScenePart { judged: None }));
     HandScene { parts: broken.collect() }
 }
 
@@ -63,7 +63,7 @@ fn judged(scene: &CheckedScene, device: &CheckedDevice, facts: &FingersFacts, si
         match HandNoun::find(&object.noun) {
             Some(HandNoun::Part) => {
                 let judged = PartReader { object, device, facts, sink }.part();
-                parts.insert(object.name.clone(), Lying { judged });
+                parts.insert(object.name.clone(), ScenePart { judged });
             }
             None => sink.push(of_other_kind(object, &VOCABULARY)),
         }
