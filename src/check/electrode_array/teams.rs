@@ -20,7 +20,7 @@ impl BoardStepJudge<'_> {
             let families: BTreeSet<&str> = self.tray.parts.iter().filter_map(|part| part.family()).collect();
             let wrong = errors::no_team(object.span, name, &families, self.scene);
             // A scene that was cut for its size has already reported this.
-            self.sink.unless(self.tray.is_whole.then_some(wrong))?;
+            self.sink.push_if_some(self.tray.is_whole.then_some(wrong))?;
             return None;
         }
         let to = phrases(call, "to").next()?;
