@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_slip_keeps_the_size_of_what_is_written() {
+    fn a_suggestion_keeps_the_size_of_what_is_written() {
         let of = |written: &str, dimension| suggest(written, dimension);
         assert_eq!(of("g/cm^2", Dimension::DENSITY).as_deref(), Some("g/cm^3"));
         assert_eq!(of("kg/m", Dimension::DENSITY).as_deref(), Some("kg/m^3"));

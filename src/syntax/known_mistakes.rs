@@ -1,5 +1,5 @@
-//! Slips that are recognised by their shape. Each gets one diagnostic with its fix, where the general ones could only
-//! name the place at which parsing stopped.
+//! Mistakes that are recognised by their shape. Each gets one diagnostic with its fix, where the general ones could
+//! only name the place at which parsing stopped.
 
 use super::context::{self, part, quote, token_at};
 use super::errors::ListPlace;
@@ -9,7 +9,7 @@ use super::words::{PREPOSITIONS, end_of_word, is_name, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// Diagnoses an unreadable entry of a block, if it is a known slip.
+/// Diagnoses an unreadable entry of a block, if it is a known mistake.
 pub(super) fn entry(span: Span, place: ListPlace, source: &str) -> Option<Diagnostic> {
     let text = &source[span.range()];
     if let Some(finding) = foreign_comment(span, text) {
