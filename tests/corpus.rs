@@ -123,7 +123,7 @@ fn what_the_planner_says() {
 fn line_ends_change_no_report() {
     let reported = |case: &Case| {
         let (sources, sink) = case.compile();
-        let edits = |diagnostic: &Diagnostic| diagnostic.mend.iter().map(|edit| edit.text.clone()).collect::<Vec<_>>();
+        let edits = |diagnostic: &Diagnostic| diagnostic.fix.iter().map(|edit| edit.text.clone()).collect::<Vec<_>>();
         let one = |diagnostic: &Diagnostic| format!("{}{:?}\n", human(diagnostic, &sources, LOOK), edits(diagnostic));
         sink.sorted().into_iter().map(one).collect::<String>()
     };
@@ -214,9 +214,9 @@ fn mends(broken: &Case, wrong: &mut String) -> usize {
     let (_, sink) = broken.compile();
     let found = sink.sorted();
     let count = |all: &[&Diagnostic], one: &Diagnostic| all.iter().filter(|other| other.title == one.title).count();
-    let own = |diagnostic: &&&Diagnostic| diagnostic.mend.first().is_some_and(|edit| edit.span.file.0 == 0);
+    let own = |diagnostic: &&&Diagnostic| diagnostic.fix.first().is_some_and(|edit| edit.span.file.0 == 0);
     for diagnostic in found.iter().filter(own) {
-        let text = diagnostic.mend_in(&broken.text).expect("the edits are apart and in order");
+        let text = diagnostic.apply_fix(&broken.text).expect("the edits are apart and in order");
         let (_, again) = Case { text: text.clone(), ..broken.clone() }.compile();
         let left = again.sorted();
         let case = format!("{}: {}\n{text}", broken.name, diagnostic.title);

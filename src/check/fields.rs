@@ -318,7 +318,7 @@ impl Checker<'_> {
         let given: Vec<Given> = fields.iter().map(|field| Given { field, scope: scope.clone() }).collect();
         let errors_before = self.sink.errors();
         shape.fields.extend(self.read_fields(&owner, &given, shape.form.fields()));
-        if shape.form.is_of_space() && !self.charge_iterations(SOLID_TURNS, span) {
+        if shape.form.is_spatial() && !self.charge_iterations(SOLID_TURNS, span) {
             return Value::Unknown;
         }
         let missing = Self::missing(&shape.fields, shape.form.fields());
@@ -338,7 +338,7 @@ impl Checker<'_> {
         }
         match super::shapes::impossible(&shape, span) {
             // An outline that is too rough takes long to reject.
-            Some(_) if shape.form.is_of_space() && !self.charge_iterations(REFUSED_TURNS, span) => Value::Unknown,
+            Some(_) if shape.form.is_spatial() && !self.charge_iterations(REFUSED_TURNS, span) => Value::Unknown,
             Some(diagnostic) => self.unknown(diagnostic),
             None => Value::Shape(shape),
         }

@@ -111,7 +111,7 @@ impl Checker<'_> {
             } else {
                 None
             };
-            self.sink.unless(wrong.map(|finding| finding.label(given.span, "here")))?;
+            self.sink.push_if_some(wrong.map(|finding| finding.label(given.span, "here")))?;
             heaters.extend(found.map(|whole| (number, whole)));
         }
         Some(heaters)

@@ -51,7 +51,7 @@ impl Argument {
 
     /// Reports a fault of the value, if there is one, and labels the value's origin; `None` if a fault was reported.
     pub fn unless(&self, wrong: Option<Diagnostic>, sink: &mut Sink) -> Option<()> {
-        sink.unless(wrong.map(|wrong| errors::given_at(wrong, self)))
+        sink.push_if_some(wrong.map(|wrong| errors::given_at(wrong, self)))
     }
 }
 

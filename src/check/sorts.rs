@@ -180,7 +180,7 @@ fn judge_vector(
     let example = format!("(16 {unit}, 12 {unit}, 12 {unit})");
     match value {
         Value::Point(point) if point.len() == 3 && point[0].dimension == dimension => {
-            match point.iter().find(|coordinate| !range.holds(coordinate.si)) {
+            match point.iter().find(|coordinate| !range.contains(coordinate.si)) {
                 Some(odd) => Err(Box::new(errors::out_of_range(wanted, span, &odd.to_string(), range.text()))),
                 None => Ok(()),
             }
@@ -230,14 +230,14 @@ fn judge_quantity(
         Value::Quantity(quantity) if quantity.dimension != dimension => {
             Err(Box::new(errors::wrong_dimension(wanted, dimension, span, value)))
         }
-        Value::Quantity(quantity) if !range.holds(quantity.si) => {
+        Value::Quantity(quantity) if !range.contains(quantity.si) => {
             let is_absolute = dimension == Dimension::TEMPERATURE && range == Range::Positive;
             let limit = if is_absolute { "above -273.15 degC" } else { range.text() };
             Err(Box::new(errors::out_of_range(wanted, span, &quantity.to_string(), limit)))
         }
         Value::Quantity(quantity) if quantity.si != 0.0 && !SIZES_SI.contains(&quantity.si.abs()) => {
             let [least, most] = [SIZES_SI.start(), SIZES_SI.end()].map(|si| digits(*si));
-            let or_none = if range.holds(0.0) { "0, or " } else { "" };
+            let or_none = if range.contains(0.0) { "0, or " } else { "" };
             let limit = format!("{or_none}from {least} to {most} in SI units");
             Err(Box::new(errors::out_of_range(wanted, span, &quantity.to_string(), &limit)))
         }

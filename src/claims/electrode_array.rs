@@ -239,7 +239,7 @@ impl ElectrodeArrayAction {
 
 impl BoardZone {
     /// Whether an electrode belongs to it.
-    pub fn holds(&self, cell: ElectrodeCell) -> bool {
+    pub fn contains(&self, cell: ElectrodeCell) -> bool {
         (self.from.column..=self.to.column).contains(&cell.column) && (self.from.row..=self.to.row).contains(&cell.row)
     }
 

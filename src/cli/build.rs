@@ -3,8 +3,8 @@
 use super::arguments::{BuildArguments, Invocation, ReportFormat};
 use super::disk::{self, Destination};
 use super::failed::{self, FailedBuild};
+use super::file_snapshots::FileSnapshots;
 use super::formats::ChosenFormats;
-use super::glances::Glances;
 use super::loaded::Loaded;
 use super::report::{Detail, LiveReport, ReportedBuild, Totals, WrittenSchedule};
 use super::{Exit, errors, report, signals, terminal, verify, watch};
@@ -24,7 +24,7 @@ pub fn run(arguments: &BuildArguments) -> Exit {
         return misused("build", "standard input contains one program: `-` can be given only once");
     }
     if !arguments.watch {
-        return build(arguments, &mut Glances::default());
+        return build(arguments, &mut FileSnapshots::default());
     }
     if arguments.files.iter().any(|file| disk::is_standard_input(file)) {
         return misused("build", "standard input contains one program, which does not change: --watch needs a file");
@@ -33,7 +33,7 @@ pub fn run(arguments: &BuildArguments) -> Exit {
 }
 
 /// Builds each program; adds the files that they need to `needed`.
-fn build(arguments: &BuildArguments, needed: &mut Glances) -> Exit {
+fn build(arguments: &BuildArguments, needed: &mut FileSnapshots) -> Exit {
     let mut totals = Totals::of(arguments.files.len());
     let one = |file: &PathBuf| match built(file, arguments, needed) {
         Ok(built) => {
@@ -67,7 +67,7 @@ pub struct BuiltProgram {
 ///
 /// # Errors
 /// The exit status, once the diagnostics were reported, with the page that shows them if pages were requested.
-pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut Glances) -> Result<BuiltProgram, FailedBuild> {
+pub fn built(file: &Path, arguments: &BuildArguments, needed: &mut FileSnapshots) -> Result<BuiltProgram, FailedBuild> {
     signals::catch();
     let format = arguments.report.format;
     let chosen = ChosenFormats::of(&arguments.emit);
@@ -138,7 +138,7 @@ fn write(
     live: LiveReport,
     compiled: Compiled,
     provenance: &Provenance,
-    inputs: &Glances,
+    inputs: &FileSnapshots,
 ) -> Result<BuiltProgram, Exit> {
     let report_format = arguments.report.format;
     let mut files: Vec<OutputFile> = Vec::new();

@@ -1,7 +1,7 @@
 //! `tweeze check`.
 
 use super::arguments::{CheckArguments, CheckFormat, ReportFormat};
-use super::glances::Glances;
+use super::file_snapshots::FileSnapshots;
 use super::loaded::Loaded;
 use super::report::{Detail, LiveReport, ReportedBuild};
 use super::{Exit, build, disk, report, terminal, watch};
@@ -16,7 +16,7 @@ use std::path::Path;
 /// Checks each file separately; returns the gravest exit status.
 pub fn run(arguments: &CheckArguments) -> Exit {
     if !arguments.watch {
-        return check(arguments, &mut Glances::default());
+        return check(arguments, &mut FileSnapshots::default());
     }
     if arguments.files.iter().any(|file| disk::is_standard_input(file)) {
         return build::misused(
@@ -28,7 +28,7 @@ pub fn run(arguments: &CheckArguments) -> Exit {
 }
 
 /// Checks each program; adds the files that they need to `needed`.
-fn check(arguments: &CheckArguments, needed: &mut Glances) -> Exit {
+fn check(arguments: &CheckArguments, needed: &mut FileSnapshots) -> Exit {
     let mut exit = Exit::Done;
     let mut reports: Vec<(Sources, Sink)> = Vec::new();
     for file in &arguments.files {
@@ -65,7 +65,7 @@ struct CheckedProgram {
 /// to `needed`.
 fn one(
     file: &Path,
-    needed: &mut Glances,
+    needed: &mut FileSnapshots,
     arguments: &CheckArguments,
     sources: &mut Sources,
     sink: &mut Sink,

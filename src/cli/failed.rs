@@ -2,8 +2,8 @@
 
 use super::arguments::{BuildArguments, ReportFormat};
 use super::disk::{self, Destination};
+use super::file_snapshots::FileSnapshots;
 use super::formats::ChosenFormats;
-use super::glances::Glances;
 use super::library::Disk;
 use super::loaded::Loaded;
 use super::{Exit, report, terminal};
@@ -33,7 +33,7 @@ pub fn write(
     sources: &Sources,
     errors: &Sink,
     provenance: &Provenance,
-    inputs: &Glances,
+    inputs: &FileSnapshots,
 ) -> Result<PathBuf, Exit> {
     let part = compile::partial(&loaded.program(&loaded.disk()), errors);
     let failed = FailedProgram {
@@ -46,14 +46,14 @@ pub fn write(
 }
 
 /// Reports that a program cannot be read. If open pages follow the program, writes a page that shows the error.
-pub fn unread(program: &Path, why: Diagnostic, arguments: &BuildArguments, inputs: &Glances) -> FailedBuild {
+pub fn unread(program: &Path, why: Diagnostic, arguments: &BuildArguments, inputs: &FileSnapshots) -> FailedBuild {
     let (mut errors, sources) = (Sink::default(), Sources::default());
     errors.push(why);
     terminal::report(&errors, &sources, arguments.report.format);
     let has_pages = ChosenFormats::of(&arguments.emit).formats.contains(&Format::Html);
     let is_followed = arguments.watch && has_pages && arguments.output.join(follower(program)).is_file();
     let failed = FailedProgram { part: None, errors: &errors, places: &[], sources: &sources };
-    let files = [(Disk::round(program).program_name(), String::new())].into();
+    let files = [(Disk::around(program).program_name(), String::new())].into();
     let provenance = Provenance { files, ..Provenance::default() };
     let page = is_followed.then(|| put_page(program, &failed, arguments, &provenance, inputs)).transpose();
     match page {
@@ -67,7 +67,7 @@ fn put_page(
     failed: &FailedProgram,
     arguments: &BuildArguments,
     provenance: &Provenance,
-    inputs: &Glances,
+    inputs: &FileSnapshots,
 ) -> Result<PathBuf, Exit> {
     let report_format = arguments.report.format;
     let page = emit::failed_page(&stem(program), failed, provenance).map_err(|error| {
@@ -113,13 +113,13 @@ pub fn tell(program: &Path, page: Option<&Path>, arguments: &BuildArguments) {
 /// The exit status, once it was reported that the page cannot be removed.
 pub fn forget(program: &Path, arguments: &BuildArguments) -> Result<(), Exit> {
     let name = format!("{}.{FAILED_ENDING}", stem(program));
-    disk::remove_own(&destination(program, arguments, &Glances::default()), &name).map_err(|diagnostic| {
+    disk::remove_own(&destination(program, arguments, &FileSnapshots::default()), &name).map_err(|diagnostic| {
         terminal::report_one(*diagnostic, arguments.report.format);
         Exit::Files
     })
 }
 
-fn destination<'a>(program: &'a Path, arguments: &'a BuildArguments, inputs: &'a Glances) -> Destination<'a> {
+fn destination<'a>(program: &'a Path, arguments: &'a BuildArguments, inputs: &'a FileSnapshots) -> Destination<'a> {
     Destination { folder: &arguments.output, program, logged: None, force: arguments.force, inputs }
 }
 

@@ -36,7 +36,7 @@ impl Loaded {
     /// A diagnostic: it cannot be read.
     pub fn open(file: &Path, options: Options) -> Diagnosed<Loaded> {
         let (path, text) = disk::read_argument(file)?;
-        Ok(Loaded { name: Disk::round(&path).program_name(), path, text, options })
+        Ok(Loaded { name: Disk::around(&path).program_name(), path, text, options })
     }
 
     /// Path, or the name of standard input.
@@ -51,7 +51,7 @@ impl Loaded {
 
     /// Library of the files around it.
     pub fn disk(&self) -> Disk<'_> {
-        Disk::round(&self.path)
+        Disk::around(&self.path)
     }
 
     /// Input for the compiler.

@@ -61,7 +61,7 @@ pub fn run() -> Exit {
         // Locked for each message only, because the reader answers refused messages in between.
         receiver.into_iter().try_for_each(|message| message.write(&mut io::stdout().lock()))
     });
-    let ended = lsp::serve(&connection, &|path, with| with(&Disk::round(path)), &mut planner);
+    let ended = lsp::serve(&connection, &|path, with| with(&Disk::around(path)), &mut planner);
     drop(planner);
     // The writer ends when no sender is left. The reader is not joined, because it may wait for a silent client.
     drop(connection);

@@ -16,35 +16,35 @@ static ASKED: AtomicBool = AtomicBool::new(false);
 static FILES_IN_PLACE: Mutex<bool> = Mutex::new(false);
 
 /// Longest wait for a signal handler to set its flag, in milliseconds.
-const FLAG_LOOKS: usize = 1000;
+const MAX_FLAG_POLLS: usize = 1000;
 
 /// Work that the first signal ends instead of the process.
-enum Spared {
+enum SignalTarget {
     /// A search; only Ctrl-C ends it.
     Search(Arc<SearchWatch>),
     /// A controlled run; any signal ends it.
     Run(Arc<AtomicBool>),
 }
 
-static SPARED: Mutex<Option<Spared>> = Mutex::new(None);
+static SIGNAL_TARGET: Mutex<Option<SignalTarget>> = Mutex::new(None);
 
-fn spared() -> MutexGuard<'static, Option<Spared>> {
+fn signal_target() -> MutexGuard<'static, Option<SignalTarget>> {
     // A thread that panicked has left a complete value.
-    SPARED.lock().unwrap_or_else(PoisonError::into_inner)
+    SIGNAL_TARGET.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Guard: while it lives, the first Ctrl-C ends a search with the best plan found.
-pub struct BestKept(());
+pub struct KeepBestGuard(());
 
 /// Directs the next Ctrl-C to the watched searches.
-pub fn keep_best(search: &Arc<SearchWatch>) -> BestKept {
-    *spared() = Some(Spared::Search(Arc::clone(search)));
-    BestKept(())
+pub fn keep_best(search: &Arc<SearchWatch>) -> KeepBestGuard {
+    *signal_target() = Some(SignalTarget::Search(Arc::clone(search)));
+    KeepBestGuard(())
 }
 
-impl Drop for BestKept {
+impl Drop for KeepBestGuard {
     fn drop(&mut self) {
-        *spared() = None;
+        *signal_target() = None;
     }
 }
 
@@ -54,7 +54,7 @@ pub struct RunStop(Arc<AtomicBool>);
 /// Directs the next signal to the run, which polls [`RunStop::is_asked`].
 pub fn stop_run_first() -> RunStop {
     let stop = Arc::<AtomicBool>::default();
-    *spared() = Some(Spared::Run(Arc::clone(&stop)));
+    *signal_target() = Some(SignalTarget::Run(Arc::clone(&stop)));
     RunStop(stop)
 }
 
@@ -67,26 +67,26 @@ impl RunStop {
 
 impl Drop for RunStop {
     fn drop(&mut self) {
-        *spared() = None;
+        *signal_target() = None;
     }
 }
 
-/// Handles a signal for work that is spared, and returns whether there is such work: a search then takes the best plan
-/// found, or the first one that it finds; a run stops.
-fn spares_the_process(is_ctrl_c: bool) -> bool {
-    // Locked until the end, so that dropping `BestKept` or `RunStop` waits for it.
-    let mut spared = spared();
-    let taken = spared.take_if(|one| match one {
-        Spared::Search(_) => is_ctrl_c,
-        Spared::Run(_) => true,
+/// Passes a signal to the work that it ends instead of the process, and returns whether there is such work: a search
+/// then takes the best plan found, or the first one that it finds; a run stops.
+fn target_takes_signal(is_ctrl_c: bool) -> bool {
+    // Locked until the end, so that dropping `KeepBestGuard` or `RunStop` waits for it.
+    let mut target = signal_target();
+    let taken = target.take_if(|one| match one {
+        SignalTarget::Search(_) => is_ctrl_c,
+        SignalTarget::Run(_) => true,
     });
     let Some(taken) = taken else { return false };
-    if let Spared::Search(search) = &taken {
+    if let SignalTarget::Search(search) = &taken {
         search.accept_incumbent();
     }
-    // Clear the flag before the owner of `BestKept` can go on to write, or the run can end. The handler that sets the
-    // flag may not have run yet.
-    for _ in 0..FLAG_LOOKS {
+    // Clear the flag before the owner of `KeepBestGuard` can go on to write, or the run can end. The handler that sets
+    // the flag may not have run yet.
+    for _ in 0..MAX_FLAG_POLLS {
         if ASKED.swap(false, Ordering::SeqCst) {
             break;
         }
@@ -94,10 +94,10 @@ fn spares_the_process(is_ctrl_c: bool) -> bool {
     }
     let line = if io::stderr().is_terminal() { "\n" } else { "" };
     match taken {
-        Spared::Search(_) => terminal::to_stderr(&format!(
+        SignalTarget::Search(_) => terminal::to_stderr(&format!(
             "{line}tweeze: continuing with the best plan found; press Ctrl-C again to stop without one\n"
         )),
-        Spared::Run(stop) => stop.store(true, Ordering::SeqCst),
+        SignalTarget::Run(stop) => stop.store(true, Ordering::SeqCst),
     }
     true
 }
@@ -122,7 +122,7 @@ pub fn wait_for_end() -> ! {
 
 /// Reports whether files were written, once no folder is being changed. The caller holds the guard until the process
 /// ends, so that no other change begins.
-fn say_goodbye() -> MutexGuard<'static, bool> {
+fn report_interruption() -> MutexGuard<'static, bool> {
     let in_place = changing_files();
     let line = if io::stderr().is_terminal() { "\n" } else { "" };
     let written = if *in_place { "after its files were written" } else { "nothing was written" };
@@ -154,10 +154,10 @@ fn install() {
     let Ok(mut signals) = Signals::new(&wanted) else { return };
     let watch = move || {
         for signal in signals.forever() {
-            if spares_the_process(signal == SIGINT) {
+            if target_takes_signal(signal == SIGINT) {
                 continue;
             }
-            let _alive = say_goodbye();
+            let _alive = report_interruption();
             // The parent process learns that a signal ended this one: a shell shows 128 plus the signal's number.
             let _ = low_level::emulate_default_handler(signal);
             std::process::exit(128 + signal);
@@ -186,10 +186,10 @@ fn install() {
     // If this fails, they end the process at once and the next build into the folder cleans up.
     let _ = ctrlc::set_handler(|| {
         ASKED.store(true, Ordering::SeqCst);
-        if spares_the_process(true) {
+        if target_takes_signal(true) {
             return;
         }
-        let _alive = say_goodbye();
+        let _alive = report_interruption();
         std::process::exit(130);
     });
 }

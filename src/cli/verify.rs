@@ -271,7 +271,7 @@ pub fn trusted_claims(
     own: &[u8],
 ) -> Result<Derived, Box<Refusal>> {
     let text = disk::read_program(trusted).map_err(|error| Refusal::one(*error, Exit::Files))?;
-    let disk = Disk::round(trusted);
+    let disk = Disk::around(trusted);
     let file = disk.program_name();
     let options = options(name, &arguments.set);
     let unlike = errors::other_settings(&arguments.file, trusted, settings, &arguments.set);
@@ -329,7 +329,7 @@ fn report(arguments: &VerifyArguments, judged: &Judged) -> String {
     }
     match arguments.replan {
         true => text.push_str(&terminal::line("Replanned", &schedule.name, width, REPLANNED)),
-        false => text.push_str(&terminal::line("Unchecked", &schedule.name, width, &hearsay(schedule))),
+        false => text.push_str(&terminal::line("Unchecked", &schedule.name, width, &unchecked_statements(schedule))),
     }
     text
 }
@@ -338,7 +338,7 @@ const REPLANNED: &str =
     "planning the program again gives this plan, with its bounds, estimates, guarantees and remarks";
 
 /// Statements of a log about its plans that no replay can check.
-pub fn hearsay(schedule: &Schedule) -> String {
+pub fn unchecked_statements(schedule: &Schedule) -> String {
     let optimal = schedule.plans.iter().filter(|plan| plan.optimal).count();
     let optima = match (optimal, schedule.plans.len()) {
         (0, _) => String::new(),

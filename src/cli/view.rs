@@ -3,8 +3,8 @@
 use super::arguments::{BuildArguments, QuietArgument, ReportFormat, ViewArguments};
 use super::disk::{self, Destination, MAX_LOG_BYTES};
 use super::failed::{self, FailedBuild};
+use super::file_snapshots::FileSnapshots;
 use super::formats::EmitChoice;
-use super::glances::Glances;
 use super::verify::{Refusal, RefusedLog};
 use super::{Exit, build, errors, report, terminal, verify, watch};
 use crate::emit::{self, Format, Provenance, RefusedSchedule};
@@ -21,7 +21,7 @@ pub fn run(arguments: &ViewArguments) -> Exit {
     if !arguments.watch {
         let written = match is_log {
             true => of_log(arguments),
-            false => of_program(arguments, &mut Glances::default()),
+            false => of_program(arguments, &mut FileSnapshots::default()),
         };
         return shown(arguments, !arguments.no_open, written);
     }
@@ -53,7 +53,7 @@ fn shown(arguments: &ViewArguments, opens: bool, written: Result<WrittenPages, F
 /// The exit status of the report, and the paths of the pages.
 type WrittenPages = (Exit, Vec<PathBuf>);
 
-fn of_program(arguments: &ViewArguments, needed: &mut Glances) -> Result<WrittenPages, FailedBuild> {
+fn of_program(arguments: &ViewArguments, needed: &mut FileSnapshots) -> Result<WrittenPages, FailedBuild> {
     build::built(&arguments.file, &build_arguments(arguments), needed).map(|built| (built.exit, built.files))
 }
 
@@ -87,7 +87,7 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
         terminal::report_one(error.diagnostic(), format);
         Exit::Errors
     })?;
-    let inputs = Glances::of([path]);
+    let inputs = FileSnapshots::of([path]);
     let to = destination(arguments, &judged.provenance, &inputs);
     let pages = failed::put(&pages, &to, format)?;
     let schedule = judged.verified.schedule();
@@ -100,13 +100,17 @@ fn of_log(arguments: &ViewArguments) -> Result<WrittenPages, FailedBuild> {
     let width = report::width(names.iter().cloned().chain([schedule.name.clone()]));
     let replayed = format!("{} actuations replayed, 0 violations", schedule.actuations.len());
     let mut text = terminal::line("Verified", &schedule.name, width, &replayed);
-    text.push_str(&terminal::line("Unchecked", &schedule.name, width, &verify::hearsay(schedule)));
+    text.push_str(&terminal::line("Unchecked", &schedule.name, width, &verify::unchecked_statements(schedule)));
     names.iter().for_each(|name| text.push_str(&terminal::line("Wrote", name, width, "")));
     Ok((terminal::answer(&text), pages))
 }
 
 /// Destination of the page of a log.
-fn destination<'a>(arguments: &'a ViewArguments, provenance: &'a Provenance, inputs: &'a Glances) -> Destination<'a> {
+fn destination<'a>(
+    arguments: &'a ViewArguments,
+    provenance: &'a Provenance,
+    inputs: &'a FileSnapshots,
+) -> Destination<'a> {
     let logged = provenance.files.first().map(|(name, _)| name.as_str());
     Destination { folder: &arguments.output, program: &arguments.file, logged, force: arguments.force, inputs }
 }
@@ -127,7 +131,7 @@ fn of_refused_log(arguments: &ViewArguments, bytes: &[u8], refusal: &Refusal) ->
             return exit.into();
         }
     };
-    let inputs = Glances::of([path]);
+    let inputs = FileSnapshots::of([path]);
     let to = destination(arguments, &provenance, &inputs);
     match failed::put(&[page], &to, format) {
         Ok(mut names) => FailedBuild { exit, page: names.pop() },

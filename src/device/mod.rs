@@ -407,7 +407,7 @@ pub enum Range {
 
 impl Range {
     /// Whether a value is in the range.
-    pub fn holds(self, value: f64) -> bool {
+    pub fn contains(self, value: f64) -> bool {
         match self {
             Range::Positive => value > 0.0,
             Range::NotNegative => value >= 0.0,

@@ -72,7 +72,7 @@ impl ShapeForm {
         &[ShapeForm::Disc, ShapeForm::Box, ShapeForm::Polygon, ShapeForm::Capsule, ShapeForm::Cells];
 
     /// Whether the form is spatial: the shape of a part that fingers turn.
-    pub fn is_of_space(self) -> bool {
+    pub fn is_spatial(self) -> bool {
         match self {
             ShapeForm::Ellipsoid
             | ShapeForm::Superellipsoid

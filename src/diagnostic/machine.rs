@@ -35,7 +35,7 @@ pub fn json_line(diagnostic: &Diagnostic, sources: &Sources) -> String {
         object[key] = labels.first().map_or(Value::Null, |first| first[key].clone());
     }
     object["labels"] = labels.into();
-    let edits: Vec<Value> = diagnostic.mend.iter().map(|edit| json_edit(edit, sources)).collect();
+    let edits: Vec<Value> = diagnostic.fix.iter().map(|edit| json_edit(edit, sources)).collect();
     object["edits"] = if edits.is_empty() { Value::Null } else { edits.into() };
     object.to_string()
 }
@@ -137,8 +137,8 @@ fn sarif_result(diagnostic: &Diagnostic, sources: &Sources, rule: Option<usize>)
     if !related.is_empty() {
         result["relatedLocations"] = related.into();
     }
-    if let Some(first) = diagnostic.mend.first() {
-        let replacements: Vec<Value> = diagnostic.mend.iter().map(|edit| sarif_replacement(edit, sources)).collect();
+    if let Some(first) = diagnostic.fix.first() {
+        let replacements: Vec<Value> = diagnostic.fix.iter().map(|edit| sarif_replacement(edit, sources)).collect();
         let artifact = json!({ "uri": uri(&sources.file(first.span.file).shown) });
         result["fixes"] = json!([{
             "description": { "text": diagnostic.help },

@@ -37,7 +37,7 @@ pub struct Diagnostic {
     /// The edits that the help describes, if they are known exactly; they belong together, are in order, do not
     /// overlap, and are all in one file.
     #[serde(skip)]
-    pub mend: Vec<SourceEdit>,
+    pub fix: Vec<SourceEdit>,
     /// The device that has no plan, if the diagnostic is about that.
     #[serde(skip)]
     pub device: Option<String>,
@@ -46,7 +46,7 @@ pub struct Diagnostic {
     pub reaches: Vec<Reach>,
     /// Replacement for a proof that there is no plan, if the proof does not hold for every start of the task.
     #[serde(skip)]
-    pub without_proof: Option<Box<Diagnostic>>,
+    pub unproven_form: Option<Box<Diagnostic>>,
 }
 
 /// Added to the help for a task that begins at a place that the planner chose for the end of an earlier one.
@@ -70,26 +70,26 @@ impl Diagnostic {
             title: title.into(),
             labels: Vec::new(),
             help: None,
-            mend: Vec::new(),
+            fix: Vec::new(),
             device: None,
             reaches: Vec::new(),
-            without_proof: None,
+            unproven_form: None,
         }
     }
 
     /// Sets the diagnostic that replaces this one if it is not a proof.
     #[must_use]
-    pub fn or_without_proof(self, rest: Diagnostic) -> Self {
-        Diagnostic { without_proof: Some(Box::new(rest)), ..self }
+    pub fn with_unproven_form(self, rest: Diagnostic) -> Self {
+        Diagnostic { unproven_form: Some(Box::new(rest)), ..self }
     }
 
     /// The diagnostic for a task whose start is only one of several possible ones: it proves nothing, and the help says
     /// so.
     fn weakened(self) -> Self {
-        let weaker = match (self.code, self.without_proof) {
+        let weaker = match (self.code, self.unproven_form) {
             (_, Some(rest)) => *rest,
-            (Code::E0601, None) => Diagnostic { code: Code::E0602, without_proof: None, ..self },
-            (_, None) => return Diagnostic { without_proof: None, ..self },
+            (Code::E0601, None) => Diagnostic { code: Code::E0602, unproven_form: None, ..self },
+            (_, None) => return Diagnostic { unproven_form: None, ..self },
         };
         let help = weaker.help.as_ref().map_or(String::new(), |help| format!("{help}; "));
         let help = format!("{help}{FROM_ONE_START}");
@@ -126,22 +126,22 @@ impl Diagnostic {
     /// Sets the help to ask whether a similar word was meant, and the fix to write it at the first label.
     #[must_use]
     pub fn near(self, near: &str) -> Self {
-        let mended = self.span().map(|span| SourceEdit { span, text: near.to_owned() });
-        Diagnostic { mend: mended.into_iter().collect(), ..self.help(format!("did you mean `{near}`?")) }
+        let edit = self.span().map(|span| SourceEdit { span, text: near.to_owned() });
+        Diagnostic { fix: edit.into_iter().collect(), ..self.help(format!("did you mean `{near}`?")) }
     }
 
     /// Adds an edit to the fix that the help describes.
     #[must_use]
-    pub fn mended(mut self, span: Span, text: impl Into<String>) -> Self {
-        self.mend.push(SourceEdit { span, text: text.into() });
+    pub fn with_fix(mut self, span: Span, text: impl Into<String>) -> Self {
+        self.fix.push(SourceEdit { span, text: text.into() });
         self
     }
 
-    /// As [`Self::mended`], at the first label.
+    /// As [`Self::with_fix`], at the first label.
     #[must_use]
-    pub fn mended_here(self, text: impl Into<String>) -> Self {
+    pub fn with_fix_here(self, text: impl Into<String>) -> Self {
         match self.span() {
-            Some(span) => self.mended(span, text),
+            Some(span) => self.with_fix(span, text),
             None => self,
         }
     }
@@ -152,7 +152,7 @@ impl Diagnostic {
     pub fn near_object(self, name: &str, word: Span, near: &str) -> Self {
         let index = name.get(word.range().len()..).unwrap_or_default();
         match near.strip_suffix(index) {
-            Some(near) => self.help(format!("did you mean `{near}`?")).mended(word, near),
+            Some(near) => self.help(format!("did you mean `{near}`?")).with_fix(word, near),
             None => self.help(format!("did you mean `{near}`?")),
         }
     }
@@ -174,16 +174,16 @@ impl Diagnostic {
     }
 
     /// The text of the file with the edits applied; `None` if there are none or they do not fit the text.
-    pub fn mend_in(&self, text: &str) -> Option<String> {
-        let mut mended = String::new();
+    pub fn apply_fix(&self, text: &str) -> Option<String> {
+        let mut fixed = String::new();
         let mut at = 0;
-        for SourceEdit { span, text: new } in &self.mend {
-            mended.push_str(text.get(at..span.start as usize)?);
-            mended.push_str(new);
+        for SourceEdit { span, text: new } in &self.fix {
+            fixed.push_str(text.get(at..span.start as usize)?);
+            fixed.push_str(new);
             at = span.end as usize;
         }
-        mended.push_str(text.get(at..)?);
-        (!self.mend.is_empty()).then_some(mended)
+        fixed.push_str(text.get(at..)?);
+        (!self.fix.is_empty()).then_some(fixed)
     }
 
     /// The span of the first label, if there is one.
@@ -260,7 +260,7 @@ impl Sink {
     }
 
     /// Adds a finding, if there is one; returns `None` if so.
-    pub fn unless(&mut self, wrong: Option<Diagnostic>) -> Option<()> {
+    pub fn push_if_some(&mut self, wrong: Option<Diagnostic>) -> Option<()> {
         match wrong {
             Some(diagnostic) => {
                 self.push(diagnostic);

@@ -8,16 +8,16 @@ const REPLACEMENT: char = '\u{fffd}';
 
 /// Whether a character affects the terminal or the order of text instead of being visible: control characters, line and
 /// paragraph separators, marks that change the direction of writing, and zero-width characters.
-pub fn commands(character: char) -> bool {
+pub fn is_unprintable(character: char) -> bool {
     character.is_control()
         || matches!(character,
             '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
 }
 
-/// The text on one line, with [`char::REPLACEMENT_CHARACTER`] for every character that [`commands`] accepts.
+/// The text on one line, with [`char::REPLACEMENT_CHARACTER`] for every character that [`is_unprintable`] accepts.
 pub fn plain(text: &str) -> Cow<'_, str> {
-    match text.contains(commands) {
-        true => Cow::Owned(text.chars().map(|c| if commands(c) { REPLACEMENT } else { c }).collect()),
+    match text.contains(is_unprintable) {
+        true => Cow::Owned(text.chars().map(|c| if is_unprintable(c) { REPLACEMENT } else { c }).collect()),
         false => Cow::Borrowed(text),
     }
 }
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_commands_is_replaced_and_nothing_else() {
+    fn unprintable_characters_are_replaced_and_nothing_else() {
         assert_eq!(plain("a\n\x1b]0;x\x07\u{202e}b\u{9b}"), "a\u{fffd}\u{fffd}]0;x\u{fffd}\u{fffd}b\u{fffd}");
         assert!(matches!(plain("Prüfung 35 µm → „x“"), Cow::Borrowed(_)));
         assert_eq!(plain_lines("a\r\nb"), "a\u{fffd}\nb");

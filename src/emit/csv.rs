@@ -15,7 +15,7 @@
 use super::error::{EmitError, MAX_TEXT_BYTES};
 use super::signal::Drive;
 use super::{Format, Signals};
-use crate::diagnostic::plain::commands;
+use crate::diagnostic::plain::is_unprintable;
 use crate::schedule::{Channel, ChannelUnit};
 
 /// Estimated bytes of a voltage, with its comma.
@@ -105,5 +105,5 @@ fn header(signals: &Signals, channel: usize) -> Vec<String> {
 
 /// The text without line ends and control characters, which would break line-based readers.
 pub(super) fn one_line(text: &str) -> String {
-    text.chars().map(|c| if commands(c) { ' ' } else { c }).collect()
+    text.chars().map(|c| if is_unprintable(c) { ' ' } else { c }).collect()
 }

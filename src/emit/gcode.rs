@@ -25,7 +25,7 @@ use super::wired::{WiredInstrument, wired};
 use super::{Format, Signals};
 use crate::claims::Claims;
 use crate::device::instrument::{
-    AXIS_LETTERS, Awaited, Family, InstrumentFacts, Level, Link, MachineControllerFacts, cut_um,
+    AXIS_LETTERS, Awaited, Family, InstrumentFacts, Level, Link, MachineControllerFacts, corner_cut_um,
 };
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::{Channel, ChannelUnit, Schedule, ScheduledHold};
@@ -146,7 +146,7 @@ pub(super) fn rounding_nm(claims: &Claims, device: &str) -> u64 {
 fn wired_rounding_nm(signals: &Signals, facts: &MachineControllerFacts, claims: &Claims) -> u64 {
     let of_channel = |(index, channel): (usize, &Channel)| {
         let jumps = signals.schedule.speed_jumps(index).into_iter();
-        let cut_um = jumps.map(|jump| cut_um(jump.change_um_per_s, 1.0 / facts.rate_hz)).fold(0.0, f64::max);
+        let cut_um = jumps.map(|jump| corner_cut_um(jump.change_um_per_s, 1.0 / facts.rate_hz)).fold(0.0, f64::max);
         let spare_um = claims.tolerance_um(&channel.device).unwrap_or(0.0) / 2.0;
         ((spare_um - cut_um) * 1000.0).floor().max(0.0) as u64
     };

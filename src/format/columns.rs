@@ -1,7 +1,7 @@
 //! Columns: padding of the parts of lines, indentation, and columns of comments.
 
 use super::layout::{Alignment, CanonicalLine, Indent};
-use super::piece::{PieceKind, TextPiece};
+use super::token::{FormatToken, TokenKind};
 use unicode_width::UnicodeWidthStr;
 
 /// Column of comments after code, counted from 0, if the code leaves room.
@@ -125,7 +125,7 @@ fn part_widths(lines: &[CanonicalLine]) -> Vec<Vec<usize>> {
 }
 
 fn is_doc_alone(line: &CanonicalLine) -> bool {
-    let is_doc = |comment: &TextPiece| comment.kind == PieceKind::Doc;
+    let is_doc = |comment: &FormatToken| comment.kind == TokenKind::Doc;
     line.parts.is_empty() && line.comment.is_some_and(is_doc)
 }
 

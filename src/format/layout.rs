@@ -1,6 +1,6 @@
-//! Arranges pieces in lines: which pieces share a line, the spaces between them, and the indent of each line.
+//! Arranges tokens in lines: which tokens share a line, the spaces between them, and the indent of each line.
 
-use super::piece::{PieceKind, TextPiece};
+use super::token::{FormatToken, TokenKind};
 
 /// Spaces per indentation level.
 const LEVEL: usize = 2;
@@ -40,7 +40,7 @@ pub(super) struct CanonicalLine<'p> {
     pub parts: Vec<String>,
     /// The separator between two parts.
     pub separator: &'static str,
-    pub comment: Option<&'p TextPiece<'p>>,
+    pub comment: Option<&'p FormatToken<'p>>,
     /// Whether an empty line comes before it.
     pub after_gap: bool,
     /// Whether it continues the entry of the previous line.
@@ -50,7 +50,7 @@ pub(super) struct CanonicalLine<'p> {
     pub kept: Option<&'p str>,
     /// Whether it ends with a bracket whose content begins on the next line.
     opens: bool,
-    /// Whether it begins with the first piece of an entry.
+    /// Whether it begins with the first token of an entry.
     starts_entry: bool,
     /// The number of brackets that are open at its beginning.
     depth: usize,
@@ -78,23 +78,23 @@ struct OpenBracket<'p> {
     byte: usize,
     entry_line: usize,
     entry_word: &'p str,
-    /// Number of pieces of the entry so far.
-    entry_pieces: usize,
+    /// Number of tokens of the entry so far.
+    entry_tokens: usize,
 }
 
-/// Arranges pieces in lines.
+/// Arranges tokens in lines.
 struct LineBuilder<'p> {
-    pieces: &'p [TextPiece<'p>],
+    tokens: &'p [FormatToken<'p>],
     /// For each bracket, whether its content is on lines of its own.
     broken: Vec<bool>,
     lines: Vec<CanonicalLine<'p>>,
     open: Vec<OpenBracket<'p>>,
     tables: usize,
-    /// The last piece of code.
-    last: Option<&'p TextPiece<'p>>,
-    /// Whether the last line is still open for pieces.
+    /// The last token of code.
+    last: Option<&'p FormatToken<'p>>,
+    /// Whether the last line is still open for tokens.
     in_line: bool,
-    /// Whether the last piece of code is a bracket whose content is on lines of its own.
+    /// Whether the last token of code is a bracket whose content is on lines of its own.
     opens: bool,
     after_gap: bool,
     /// Whether the last `^` has spaces around it.
@@ -102,7 +102,7 @@ struct LineBuilder<'p> {
 }
 
 /// The lines of a text.
-pub(super) fn lines<'p>(pieces: &'p [TextPiece<'p>]) -> Vec<CanonicalLine<'p>> {
+pub(super) fn lines<'p>(tokens: &'p [FormatToken<'p>]) -> Vec<CanonicalLine<'p>> {
     let file = OpenBracket {
         is_brace: true,
         is_broken: true,
@@ -112,11 +112,11 @@ pub(super) fn lines<'p>(pieces: &'p [TextPiece<'p>]) -> Vec<CanonicalLine<'p>> {
         byte: 0,
         entry_line: 0,
         entry_word: "",
-        entry_pieces: 0,
+        entry_tokens: 0,
     };
     let mut builder = LineBuilder {
-        pieces,
-        broken: broken_brackets(pieces),
+        tokens,
+        broken: broken_brackets(tokens),
         lines: Vec::new(),
         open: vec![file],
         tables: 0,
@@ -126,8 +126,8 @@ pub(super) fn lines<'p>(pieces: &'p [TextPiece<'p>]) -> Vec<CanonicalLine<'p>> {
         after_gap: false,
         is_power_apart: false,
     };
-    for index in 0..pieces.len() {
-        builder.piece(index);
+    for index in 0..tokens.len() {
+        builder.token(index);
     }
     builder.end_line();
     builder.lines
@@ -135,75 +135,75 @@ pub(super) fn lines<'p>(pieces: &'p [TextPiece<'p>]) -> Vec<CanonicalLine<'p>> {
 
 /// For each bracket, whether its content is on lines of its own: braces with a line end between entries, or with such
 /// braces inside; other brackets with a line end after the opening one.
-fn broken_brackets(pieces: &[TextPiece]) -> Vec<bool> {
-    let mut broken = vec![false; pieces.len()];
+fn broken_brackets(tokens: &[FormatToken]) -> Vec<bool> {
+    let mut broken = vec![false; tokens.len()];
     let mut open: Vec<usize> = Vec::new();
     let mut goes_on = false;
-    for (index, piece) in pieces.iter().enumerate() {
-        match piece.kind {
-            PieceKind::Open | PieceKind::Joint => open.push(index),
-            PieceKind::Close => {
+    for (index, token) in tokens.iter().enumerate() {
+        match token.kind {
+            TokenKind::Open | TokenKind::Joint => open.push(index),
+            TokenKind::Close => {
                 let Some(opening) = open.pop() else { continue };
                 broken[index] = broken[opening];
-                let outer = open.iter().rfind(|outer| pieces[**outer].is_brace());
-                if let Some(&outer) = outer.filter(|_| broken[opening] && pieces[opening].is_brace()) {
+                let outer = open.iter().rfind(|outer| tokens[**outer].is_brace());
+                if let Some(&outer) = outer.filter(|_| broken[opening] && tokens[opening].is_brace()) {
                     broken[outer] = true;
                 }
             }
             kind if !kind.is_code() => {
                 if let Some(&opening) = open.last() {
-                    broken[opening] |= if pieces[opening].is_brace() { !goes_on } else { index == opening + 1 };
+                    broken[opening] |= if tokens[opening].is_brace() { !goes_on } else { index == opening + 1 };
                 }
             }
             _ => {}
         }
-        if piece.kind.is_code() {
-            goes_on = piece.kind.goes_on();
+        if token.kind.is_code() {
+            goes_on = token.kind.goes_on();
         }
     }
     broken
 }
 
 impl<'p> LineBuilder<'p> {
-    fn piece(&mut self, index: usize) {
-        let pieces = self.pieces;
-        let piece = &pieces[index];
-        if piece.kind.is_break() {
+    fn token(&mut self, index: usize) {
+        let tokens = self.tokens;
+        let token = &tokens[index];
+        if token.kind.is_break() {
             self.line_end(index);
-        } else if piece.kind.is_comment() {
+        } else if token.kind.is_comment() {
             if !self.in_line {
-                self.begin_line(piece);
+                self.begin_line(token);
             }
             if let Some(line) = self.lines.last_mut() {
-                line.comment = Some(piece);
+                line.comment = Some(token);
             }
-        } else if piece.kind == PieceKind::Kept {
+        } else if token.kind == TokenKind::Kept {
             self.end_line();
-            self.begin_line(piece);
+            self.begin_line(token);
             if let Some(line) = self.lines.last_mut() {
-                line.kept = Some(&piece.text);
+                line.kept = Some(&token.text);
             }
-            self.last = Some(piece);
+            self.last = Some(token);
             self.end_line();
         } else {
-            if piece.kind == PieceKind::Close && self.broken[index] {
+            if token.kind == TokenKind::Close && self.broken[index] {
                 self.end_line();
             }
             self.code(index);
-            if self.opens && pieces.get(index + 1).is_none_or(|next| !next.kind.is_comment()) {
+            if self.opens && tokens.get(index + 1).is_none_or(|next| !next.kind.is_comment()) {
                 self.end_line();
             }
         }
     }
 
     fn line_end(&mut self, index: usize) {
-        let closes = self.pieces.get(index + 1).is_some_and(|next| next.kind == PieceKind::Close);
-        let follows_comment = index > 0 && self.pieces[index - 1].kind.is_comment();
+        let closes = self.tokens.get(index + 1).is_some_and(|next| next.kind == TokenKind::Close);
+        let follows_comment = index > 0 && self.tokens[index - 1].kind.is_comment();
         if closes && !self.broken[index + 1] && !follows_comment {
             return;
         }
         self.end_line();
-        self.after_gap |= self.pieces[index].kind == PieceKind::Gap && !closes && !self.goes_on();
+        self.after_gap |= self.tokens[index].kind == TokenKind::Gap && !closes && !self.goes_on();
     }
 
     fn goes_on(&self) -> bool {
@@ -215,18 +215,18 @@ impl<'p> LineBuilder<'p> {
         &mut self.open[last]
     }
 
-    fn begin_line(&mut self, piece: &TextPiece) {
-        let indent = self.indent(piece);
+    fn begin_line(&mut self, token: &FormatToken) {
+        let indent = self.indent(token);
         let goes_on = self.goes_on();
         let number = self.lines.len();
         let depth = self.open.len();
         let innermost = self.innermost();
-        let starts_entry = innermost.is_brace && !goes_on && piece.kind != PieceKind::Close && !piece.kind.is_comment();
+        let starts_entry = innermost.is_brace && !goes_on && token.kind != TokenKind::Close && !token.kind.is_comment();
         let belongs_before = goes_on || !innermost.is_brace;
         let is_row = matches!(innermost.block, Block::Table(_)) && starts_entry;
         if starts_entry {
             innermost.entry_line = number;
-            innermost.entry_pieces = 0;
+            innermost.entry_tokens = 0;
         }
         let opens = self.lines.last().is_none_or(|line| line.opens);
         let after_gap = std::mem::take(&mut self.after_gap) && !opens;
@@ -246,10 +246,10 @@ impl<'p> LineBuilder<'p> {
         });
     }
 
-    fn indent(&mut self, piece: &TextPiece) -> Indent {
+    fn indent(&mut self, token: &FormatToken) -> Indent {
         let goes_on = self.goes_on();
         let open = self.innermost();
-        if piece.kind == PieceKind::Close {
+        if token.kind == TokenKind::Close {
             return match open.is_broken {
                 true => Indent::Beyond { line: open.line, blanks: 0 },
                 false => Indent::Below { line: open.line, part: open.part, byte: open.byte - 1 },
@@ -272,7 +272,7 @@ impl<'p> LineBuilder<'p> {
             return;
         }
         let (depth, opens) = (self.open.len(), self.opens);
-        let opens_block = opens && self.last.is_some_and(TextPiece::is_brace);
+        let opens_block = opens && self.last.is_some_and(FormatToken::is_brace);
         let Some(line) = self.lines.last_mut() else { return };
         line.opens = opens && !line.parts.is_empty();
         let is_whole = match line.alignment {
@@ -286,19 +286,19 @@ impl<'p> LineBuilder<'p> {
         }
     }
 
-    /// Adds a piece of code to the line.
+    /// Adds a token of code to the line.
     fn code(&mut self, index: usize) {
-        let pieces = self.pieces;
-        let piece = &pieces[index];
+        let tokens = self.tokens;
+        let token = &tokens[index];
         let is_first = !self.in_line;
         if is_first {
-            self.begin_line(piece);
+            self.begin_line(token);
         }
-        if piece.kind == PieceKind::Close && self.open.len() > 1 {
+        if token.kind == TokenKind::Close && self.open.len() > 1 {
             self.open.pop();
         }
-        let is_bar = self.split_before(piece);
-        let is_apart = !is_first && self.is_apart(piece);
+        let is_bar = self.split_before(token);
+        let is_apart = !is_first && self.is_apart(token);
         if let Some(line) = self.lines.last_mut() {
             if line.parts.is_empty() {
                 line.parts.push(String::new());
@@ -307,28 +307,28 @@ impl<'p> LineBuilder<'p> {
                 if is_apart && !part.is_empty() {
                     part.push(' ');
                 }
-                part.push_str(&piece.text);
+                part.push_str(&token.text);
             }
         }
-        self.count(piece);
-        if matches!(piece.kind, PieceKind::Open | PieceKind::Joint) {
-            self.open_bracket(piece, self.broken[index]);
+        self.count(token);
+        if matches!(token.kind, TokenKind::Open | TokenKind::Joint) {
+            self.open_bracket(token, self.broken[index]);
         }
-        self.opens = matches!(piece.kind, PieceKind::Open | PieceKind::Joint) && self.broken[index];
-        self.last = Some(piece);
+        self.opens = matches!(token.kind, TokenKind::Open | TokenKind::Joint) && self.broken[index];
+        self.last = Some(token);
     }
 
-    /// Counts a piece of the entry that is being read, and begins a second part after the name of a field.
-    fn count(&mut self, piece: &'p TextPiece<'p>) {
+    /// Counts a token of the entry that is being read, and begins a second part after the name of a field.
+    fn count(&mut self, token: &'p FormatToken<'p>) {
         let number = self.lines.len() - 1;
         let innermost = self.innermost();
-        let ends_entry = innermost.is_brace && piece.kind == PieceKind::Comma;
-        if innermost.entry_pieces == 0 && !ends_entry {
-            innermost.entry_word = &piece.text;
+        let ends_entry = innermost.is_brace && token.kind == TokenKind::Comma;
+        if innermost.entry_tokens == 0 && !ends_entry {
+            innermost.entry_word = &token.text;
             innermost.entry_line = number;
         }
-        innermost.entry_pieces = if ends_entry { 0 } else { innermost.entry_pieces + 1 };
-        let names_field = innermost.is_brace && piece.kind == PieceKind::Colon && innermost.entry_pieces == 2;
+        innermost.entry_tokens = if ends_entry { 0 } else { innermost.entry_tokens + 1 };
+        let names_field = innermost.is_brace && token.kind == TokenKind::Colon && innermost.entry_tokens == 2;
         let Some(line) = self.lines.last_mut() else { return };
         if ends_entry && self.open.len() == line.depth && line.starts_entry {
             // A second entry follows on the line.
@@ -341,20 +341,20 @@ impl<'p> LineBuilder<'p> {
         }
     }
 
-    /// Begins another part of the line before a piece that may be aligned; returns whether the piece is a bar, which
+    /// Begins another part of the line before a token that may be aligned; returns whether the token is a bar, which
     /// separates the parts.
-    fn split_before(&mut self, piece: &TextPiece) -> bool {
+    fn split_before(&mut self, token: &FormatToken) -> bool {
         let depth = self.open.len();
         let innermost = self.innermost();
-        let (block, word, count) = (innermost.block, innermost.entry_word, innermost.entry_pieces);
+        let (block, word, count) = (innermost.block, innermost.entry_word, innermost.entry_tokens);
         let Some(line) = self.lines.last_mut() else { return false };
         if !line.starts_entry || depth != line.depth {
             return false;
         }
-        let is_at = piece.kind == PieceKind::Word && piece.text == "at";
-        let is_colon = piece.kind == PieceKind::Colon;
+        let is_at = token.kind == TokenKind::Word && token.text == "at";
+        let is_colon = token.kind == TokenKind::Colon;
         let alignment = match block {
-            Block::Table(number) if piece.kind == PieceKind::Bar => {
+            Block::Table(number) if token.kind == TokenKind::Bar => {
                 if line.parts.is_empty() {
                     line.parts.push(String::new());
                 }
@@ -366,7 +366,7 @@ impl<'p> LineBuilder<'p> {
             Block::File if is_colon && count == 2 && matches!(word, "device" | "instrument" | "output") => {
                 Alignment::Device
             }
-            Block::Wiring if piece.kind == PieceKind::Arrow => Alignment::Wire,
+            Block::Wiring if token.kind == TokenKind::Arrow => Alignment::Wire,
             Block::File | Block::Scene | Block::Wiring | Block::Table(_) | Block::Other => return false,
         };
         if line.parts.len() == 1 {
@@ -376,16 +376,16 @@ impl<'p> LineBuilder<'p> {
         false
     }
 
-    fn open_bracket(&mut self, piece: &TextPiece, is_broken: bool) {
+    fn open_bracket(&mut self, token: &FormatToken, is_broken: bool) {
         let line = self.lines.len() - 1;
         let (part, byte) = match self.lines.last().map(|line| &line.parts) {
             Some(parts) => (parts.len() - 1, parts.last().map_or(0, String::len)),
             None => (0, 0),
         };
-        let is_table = self.last.is_some_and(|last| last.kind == PieceKind::Word && last.text == "table");
+        let is_table = self.last.is_some_and(|last| last.kind == TokenKind::Word && last.text == "table");
         let outer = self.innermost();
         let block = match (outer.block, outer.entry_word) {
-            _ if !piece.is_brace() => Block::Other,
+            _ if !token.is_brace() => Block::Other,
             _ if is_table => Block::Table(self.tables),
             (Block::File, "scene") | (Block::Scene, "for") => Block::Scene,
             (Block::File, "wiring") | (Block::Wiring, "for") => Block::Wiring,
@@ -393,7 +393,7 @@ impl<'p> LineBuilder<'p> {
         };
         self.tables += usize::from(is_table);
         self.open.push(OpenBracket {
-            is_brace: piece.is_brace(),
+            is_brace: token.is_brace(),
             is_broken,
             block,
             line,
@@ -401,29 +401,29 @@ impl<'p> LineBuilder<'p> {
             byte,
             entry_line: line,
             entry_word: "",
-            entry_pieces: 0,
+            entry_tokens: 0,
         });
     }
 
-    /// Whether there is a space between the last piece of the line and this one.
-    fn is_apart(&mut self, piece: &TextPiece) -> bool {
+    /// Whether there is a space between the last token of the line and this one.
+    fn is_apart(&mut self, token: &FormatToken) -> bool {
         let Some(last) = self.last else { return false };
         let innermost = self.innermost();
-        let names_field = !innermost.is_brace || innermost.entry_pieces == 1;
-        if piece.kind == PieceKind::Power {
+        let names_field = !innermost.is_brace || innermost.entry_tokens == 1;
+        if token.kind == TokenKind::Power {
             // Without the space, `^` would be part of the unit.
-            self.is_power_apart = last.kind == PieceKind::Unit;
+            self.is_power_apart = last.kind == TokenKind::Unit;
             return self.is_power_apart;
         }
-        let clings = matches!(last.kind, PieceKind::Joint | PieceKind::Minus | PieceKind::Dot | PieceKind::Range);
-        if clings || last.kind == PieceKind::Open && !last.is_brace() {
+        let clings = matches!(last.kind, TokenKind::Joint | TokenKind::Minus | TokenKind::Dot | TokenKind::Range);
+        if clings || last.kind == TokenKind::Open && !last.is_brace() {
             return false;
         }
-        match piece.kind {
-            PieceKind::Comma | PieceKind::Joint | PieceKind::Dot | PieceKind::Range => false,
-            PieceKind::Close => piece.text == "}",
-            PieceKind::Colon => !names_field,
-            _ => last.kind != PieceKind::Power || self.is_power_apart,
+        match token.kind {
+            TokenKind::Comma | TokenKind::Joint | TokenKind::Dot | TokenKind::Range => false,
+            TokenKind::Close => token.text == "}",
+            TokenKind::Colon => !names_field,
+            _ => last.kind != TokenKind::Power || self.is_power_apart,
         }
     }
 }

@@ -4,8 +4,8 @@
 //! of one file. Output: its canonical text.
 //!
 //! Method: line breaks, groups of lines and comments are the user's; everything in between is Tweeze's. The text is
-//! cut into pieces (`piece`); the tree decides what their characters leave open: which words are a unit, which `-` is
-//! a sign, which bracket belongs to a name (`marks`). The pieces are arranged in lines (`layout`), with the spacing
+//! split into tokens (`token`); the tree decides what their characters leave open: which words are a unit, which `-` is
+//! a sign, which bracket belongs to a name (`marks`). The tokens are arranged in lines (`layout`), with the spacing
 //! that their neighbours require, and the lines are indented and aligned (`columns`). No line is broken or joined
 //! because of its length.
 //!
@@ -17,7 +17,7 @@ mod columns;
 mod grid;
 mod layout;
 mod marks;
-mod piece;
+mod token;
 
 use crate::diagnostic::{Diagnostic, Sink};
 use crate::source::{FileId, Span};
@@ -39,11 +39,11 @@ pub fn format(file: FileId, text: &str, sink: &mut Sink) -> String {
     formatted.unwrap_or_else(|| text.to_owned())
 }
 
-/// The canonical text, except for ranges of whole lines that stay as they are; `None` if it cannot be cut into
-/// pieces, which only happens in the lines of an error.
+/// The canonical text, except for ranges of whole lines that stay as they are; `None` if it cannot be split into
+/// tokens, which only happens in the lines of an error.
 fn formatted(text: &str, marks: &Marks, kept: &[Range<usize>]) -> Option<String> {
-    let pieces = piece::without_idle_commas(piece::pieces(text, marks, kept)?);
-    let mut lines = layout::lines(&pieces);
+    let tokens = token::without_idle_commas(token::tokens(text, marks, kept)?);
+    let mut lines = layout::lines(&tokens);
     grid::align(&mut lines);
     Some(columns::print(&lines))
 }

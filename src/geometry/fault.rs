@@ -20,7 +20,7 @@ pub(crate) enum Fault {
     /// `geometry::outline`: the distance of a point from an outline.
     Outline,
     /// `geometry::outline`: the x coordinate of a point of an outline.
-    Spot,
+    OutlinePoint,
     /// `geometry::outline`: the direction of a normal.
     Normal,
     /// `geometry::outline`: the perimeter.
@@ -52,12 +52,12 @@ pub(crate) enum Fault {
 /// The result of a measurement, unchanged outside of tests.
 #[cfg(not(test))]
 #[inline(always)]
-pub(crate) const fn through(_: Fault, number: f64) -> f64 {
+pub(crate) const fn inject(_: Fault, number: f64) -> f64 {
     number
 }
 
 #[cfg(test)]
-pub(crate) use switch::{Wrong, through, with};
+pub(crate) use switch::{Wrong, inject, with};
 
 #[cfg(test)]
 mod switch {
@@ -71,7 +71,7 @@ mod switch {
         static ON: Cell<Option<(Fault, Wrong)>> = const { Cell::new(None) };
     }
 
-    pub(crate) fn through(fault: Fault, number: f64) -> f64 {
+    pub(crate) fn inject(fault: Fault, number: f64) -> f64 {
         match ON.get() {
             Some((on, [factor, more])) if on == fault => number * factor + more,
             Some(_) | None => number,

@@ -4,7 +4,7 @@
 //! that is, a core (point, segment or filled polygon) and a radius. Promise: the body is exactly the Minkowski sum of
 //! the placed shape with a disc of radius `growth_um`.
 
-use super::fault::{Fault, through};
+use super::fault::{Fault, inject};
 use nalgebra::{Isometry2, Point2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -122,7 +122,7 @@ impl Shape {
         self.check()?;
         check_range([pose.x_um, pose.y_um, pose.heading_rad, growth_um])?;
         check_sign([growth_um])?;
-        let frame = Pose { x_um: through(Fault::Place, pose.x_um), ..*pose }.isometry();
+        let frame = Pose { x_um: inject(Fault::Place, pose.x_um), ..*pose }.isometry();
         let place = |x, y| frame * Point2::new(x, y);
         let (core, own_radius_um) = match self {
             Shape::Point => (Core::Point(place(0.0, 0.0)), 0.0),
@@ -143,7 +143,7 @@ impl Shape {
                 (Core::Segment(ends), *radius_um)
             }
         };
-        let radius_um = through(Fault::Grown, own_radius_um + growth_um);
+        let radius_um = inject(Fault::Grown, own_radius_um + growth_um);
         Ok(Rounded { core, radius_um })
     }
 

@@ -17,7 +17,7 @@ use crate::schedule::{Actuation, Schedule};
 use std::collections::BTreeMap;
 
 /// Whether all instruments can play the schedule; if not, errors were pushed.
-pub fn holds(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
+pub fn check(schedule: &Schedule, claims: &Claims, sink: &mut Sink) -> bool {
     let before = sink.errors();
     let wired = schedule.channels.iter().zip(schedule.by_channel()).enumerate();
     let wired = wired.filter_map(|(index, (channel, actuations))| {

@@ -75,7 +75,7 @@ pub fn lower(claims: &Claims, plans: &[Plan<Motion>], sources: &Sources, sink: &
     if schedule.duration_ns > MAX_DURATION_NS {
         return too_long(claims, sink);
     }
-    bench::holds(&schedule, claims, sink).then_some(schedule)
+    bench::check(&schedule, claims, sink).then_some(schedule)
 }
 
 /// Warns if a device that holds what it carries only during runs is idle between two of its runs.

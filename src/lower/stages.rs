@@ -6,7 +6,7 @@
 
 use super::wired_channel::WiredChannel;
 use crate::claims::Claims;
-use crate::device::instrument::{Direction, InstrumentFacts, Link, QUOTIENT_ROOM, StageLimits, cut_um};
+use crate::device::instrument::{Direction, InstrumentFacts, Link, QUOTIENT_ROOM, StageLimits, corner_cut_um};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::quantity::{Dimension, Quantity};
 use crate::schedule::{Actuation, ChannelUnit, SpeedJump};
@@ -127,14 +127,14 @@ impl FollowingStage<'_> {
         let (name, change) = (&self.wired.channel.name, speed(jump.change_um_per_s));
         let takes_s = limits.acceleration_um_per_s2.map_or(0.0, |most| jump.change_um_per_s / most);
         let room_s = jump.room_ns as f64 / 1e9;
-        let rounding_um = limits.rounding_um(jump.change_um_per_s);
+        let rounding_um = limits.corner_rounding_um(jump.change_um_per_s);
         let title = if takes_s > room_s {
             let [room, takes] = [room_s, takes_s].map(seconds);
             format!(
                 "`{name}` changes its speed by {change} and keeps it for {room}, but its stage takes {takes} for the change"
             )
         } else {
-            let off = Quantity::length_um(rounding_um + cut_um(jump.change_um_per_s, period_s));
+            let off = Quantity::length_um(rounding_um + corner_cut_um(jump.change_um_per_s, period_s));
             format!("`{name}` changes its speed by {change}; its stage is {off} off its path there")
         };
         let by_stage = limits.acceleration_um_per_s2.map(|most| {
@@ -176,7 +176,8 @@ fn slower(share: f64) -> String {
 /// quadratic equation), and the change fits into the time for it, which grows while the change gets shorter. Above 1
 /// if it can follow at full speed.
 fn slowed(limits: StageLimits, jump: &SpeedJump, period_s: f64, spare_um: f64) -> f64 {
-    let (rounding, cut) = (limits.rounding_um(jump.change_um_per_s), cut_um(jump.change_um_per_s, period_s));
+    let (rounding, cut) =
+        (limits.corner_rounding_um(jump.change_um_per_s), corner_cut_um(jump.change_um_per_s, period_s));
     let within = match rounding > 0.0 {
         true => ((cut * cut + 4.0 * rounding * spare_um).sqrt() - cut) / (2.0 * rounding),
         false => spare_um / cut,
@@ -245,8 +246,9 @@ mod tests {
         for (change_um_per_s, period_s) in [(20.0, 0.0), (20.0, 1e-3), (300.0, 1e-3), (300.0, 5e-5)] {
             let jump = SpeedJump { t_ns: 0, change_um_per_s, room_ns: u64::MAX, step: 0 };
             let share = slowed(limits, &jump, period_s, 0.025);
-            let off_um =
-                |share: f64| limits.rounding_um(share * change_um_per_s) + cut_um(share * change_um_per_s, period_s);
+            let off_um = |share: f64| {
+                limits.corner_rounding_um(share * change_um_per_s) + corner_cut_um(share * change_um_per_s, period_s)
+            };
             assert!((off_um(share) - 0.025).abs() < 1e-12, "{share}");
         }
     }

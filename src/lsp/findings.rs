@@ -24,7 +24,7 @@ pub struct Overlay<'a> {
 
 impl<'a> Overlay<'a> {
     /// The overlay for the program of a path.
-    pub fn round(path: &'a Path, texts: &'a BTreeMap<PathBuf, &'a str>, disk: &'a dyn Library) -> Overlay<'a> {
+    pub fn around(path: &'a Path, texts: &'a BTreeMap<PathBuf, &'a str>, disk: &'a dyn Library) -> Overlay<'a> {
         Overlay { folder: path.parent().unwrap_or(Path::new("")), texts, disk }
     }
 
@@ -76,7 +76,7 @@ pub fn of(
 ) -> OpenFindings {
     let Some(text) = texts.get(path) else { return OpenFindings::default() };
     let name = text::file_name(path);
-    let library = Overlay::round(path, texts, disk);
+    let library = Overlay::around(path, texts, disk);
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
     let checked = check_program(&request, &mut sources, &mut sink);
@@ -94,12 +94,12 @@ fn read_of(path: &Path, sources: &Sources, library: &Overlay) -> BTreeSet<PathBu
 }
 
 /// The compiler's findings of a program, and the open texts that it reads, its own included.
-fn looked_at(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> (Sink, BTreeSet<PathBuf>) {
+fn check_open_program(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> (Sink, BTreeSet<PathBuf>) {
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
     let mut read = BTreeSet::from([path.to_owned()]);
     if let Some(text) = texts.get(path) {
         let name = text::file_name(path);
-        let library = Overlay::round(path, texts, disk);
+        let library = Overlay::around(path, texts, disk);
         let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
         check_program(&request, &mut sources, &mut sink);
         read = read_of(path, &sources, &library);
@@ -109,14 +109,14 @@ fn looked_at(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -
 
 /// Titles of the errors of a program, in order.
 pub fn errors(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> Vec<String> {
-    let (sink, _) = looked_at(path, texts, disk);
+    let (sink, _) = check_open_program(path, texts, disk);
     let errors = sink.sorted().into_iter().filter(|diagnostic| diagnostic.code.severity() == Severity::Error);
     errors.map(|diagnostic| diagnostic.title.clone()).collect()
 }
 
 /// The open texts that a program reads, its own included.
 pub fn read_from(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> BTreeSet<PathBuf> {
-    looked_at(path, texts, disk).1
+    check_open_program(path, texts, disk).1
 }
 
 /// Quick fixes for findings, which the editor sends back unchanged.
@@ -190,20 +190,20 @@ impl ShownProgram<'_> {
             source: Some("tweeze".to_owned()),
             message,
             related_information: Some(related.collect()),
-            data: self.mend(diagnostic),
+            data: self.quick_fix_data(diagnostic),
             ..lsp_types::Diagnostic::default()
         }
     }
 
     /// The edits that fix a finding, if they are known, in the form in which they come back with a request for code
     /// actions.
-    fn mend(&self, diagnostic: &Diagnostic) -> Option<serde_json::Value> {
+    fn quick_fix_data(&self, diagnostic: &Diagnostic) -> Option<serde_json::Value> {
         let own = self.own_file()?;
-        if diagnostic.mend.is_empty() || diagnostic.mend.iter().any(|edit| edit.span.file != own) {
+        if diagnostic.fix.is_empty() || diagnostic.fix.iter().any(|edit| edit.span.file != own) {
             return None;
         }
         let edits = diagnostic
-            .mend
+            .fix
             .iter()
             .map(|edit| TextEdit { range: self.own.range(edit.span.range(), self.unit), new_text: edit.text.clone() });
         Some(serde_json::json!(QuickFix { title: self.title(diagnostic), edits: edits.collect() }))
@@ -216,7 +216,7 @@ impl ShownProgram<'_> {
         if let Some(written) = quoted("write `").or_else(|| quoted("did you mean `")) {
             return format!("Write `{written}`");
         }
-        match diagnostic.mend.as_slice() {
+        match diagnostic.fix.as_slice() {
             [edit] if edit.text.trim().is_empty() => {
                 format!("Remove `{}`", &self.own.as_str()[edit.span.range()])
             }

@@ -52,7 +52,7 @@ use std::path::{Path, PathBuf};
 use text::{ColumnUnit, EditedText};
 
 /// Gives access to the files around a program; supplied by a caller that may read files.
-pub type FilesRound<'a> = &'a dyn Fn(&Path, &mut dyn FnMut(&dyn Library));
+pub type FilesAround<'a> = &'a dyn Fn(&Path, &mut dyn FnMut(&dyn Library));
 
 /// How a session ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,7 +72,7 @@ pub enum SessionEnd {
 /// The first messages are not those of the protocol.
 pub fn serve(
     connection: &Connection,
-    round: FilesRound,
+    around: FilesAround,
     planner: &mut dyn ProgramPlanner,
 ) -> Result<SessionEnd, String> {
     let unexpected =
@@ -88,7 +88,7 @@ pub fn serve(
     connection.initialize_finish(id, answer).map_err(unexpected)?;
     let mut session = Session {
         connection,
-        round,
+        around,
         planner,
         unit,
         refreshes_hints: refreshes_hints(&asked),
@@ -175,7 +175,7 @@ struct OpenDocument {
 
 struct Session<'a> {
     connection: &'a Connection,
-    round: FilesRound<'a>,
+    around: FilesAround<'a>,
     planner: &'a mut dyn ProgramPlanner,
     unit: ColumnUnit,
     /// Whether the client can be asked to request hints again.
@@ -344,7 +344,7 @@ impl Session<'_> {
         let mut read = BTreeMap::new();
         for (path, document) in &self.open {
             let mut checked = OpenFindings::default();
-            (self.round)(path, &mut |disk| {
+            (self.around)(path, &mut |disk| {
                 checked = findings::of(path, &document.uri, &texts, disk, self.unit);
             });
             all_found.push(checked.found);
@@ -436,8 +436,8 @@ impl Session<'_> {
         let (path, at) = self.place(&asked.text_document_position)?;
         let texts = self.texts();
         let mut found = Vec::new();
-        (self.round)(&path, &mut |disk| {
-            found = completion::completions(texts[&path], at, &Overlay::round(&path, &texts, disk));
+        (self.around)(&path, &mut |disk| {
+            found = completion::completions(texts[&path], at, &Overlay::around(&path, &texts, disk));
         });
         Some(found)
     }
@@ -494,7 +494,7 @@ impl Session<'_> {
         saved
             .map(|(path, _)| {
                 let mut read = BTreeSet::new();
-                (self.round)(path, &mut |disk| read = findings::read_from(path, &texts, disk));
+                (self.around)(path, &mut |disk| read = findings::read_from(path, &texts, disk));
                 (path.clone(), read)
             })
             .collect()
@@ -508,7 +508,7 @@ impl Session<'_> {
             let mut is_same = false;
             // Editors do not include a byte order mark in the text.
             let plain = |text: &str| text.trim_start_matches('\u{feff}').to_owned();
-            (self.round)(path, &mut |disk| {
+            (self.around)(path, &mut |disk| {
                 let found = disk.read("", &name).map(|(_, text)| plain(&text));
                 is_same = texts.get(path).is_some_and(|open| found == Ok(plain(open)));
             });
@@ -537,7 +537,7 @@ impl Session<'_> {
         let mut names = ProgramNames::new(uris.collect());
         let texts = self.texts();
         for path in self.open.keys() {
-            (self.round)(path, &mut |disk| names.add(path, &texts, disk));
+            (self.around)(path, &mut |disk| names.add(path, &texts, disk));
         }
         names
     }
@@ -576,7 +576,7 @@ impl Session<'_> {
         let after: BTreeMap<PathBuf, &str> = before.clone().into_iter().chain(after).collect();
         for path in self.open.keys() {
             let [mut old, mut new] = [Vec::new(), Vec::new()];
-            (self.round)(path, &mut |disk| {
+            (self.around)(path, &mut |disk| {
                 old = findings::errors(path, &before, disk);
                 new = findings::errors(path, &after, disk);
             });

@@ -88,7 +88,7 @@ impl ProgramNames {
     pub fn add(&mut self, path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) {
         let Some(text) = texts.get(path) else { return };
         let name = text::file_name(path);
-        let library = Overlay::round(path, texts, disk);
+        let library = Overlay::around(path, texts, disk);
         let mut sources = Sources::default();
         let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
         for link in links::links(&request, &mut sources) {

@@ -7,11 +7,11 @@ use crate::syntax::tree::{Item, Parameter, Runnable};
 use lsp_types::{Documentation, ParameterInformation, ParameterLabel, SignatureHelp, SignatureInformation};
 
 /// Bytes before the cursor that are searched for the opening bracket.
-const SIGHT_BYTES: usize = 4096;
+const MAX_LOOKBACK_BYTES: usize = 4096;
 
 /// Signature of the call around a byte of a text, with the current argument.
 pub fn help(text: &str, at: usize) -> Option<SignatureHelp> {
-    let (name, argument) = call(&text[text.ceil_char_boundary(at.saturating_sub(SIGHT_BYTES))..at])?;
+    let (name, argument) = call(&text[text.ceil_char_boundary(at.saturating_sub(MAX_LOOKBACK_BYTES))..at])?;
     let signature = of_function(name).or_else(|| of_task(text, name))?;
     let last = signature.parameters.as_ref().map_or(0, Vec::len).saturating_sub(1);
     // The last parameter of a function such as `min` repeats.

@@ -14,12 +14,12 @@ pub fn significant(value: f64, digits: usize) -> f64 {
 }
 
 /// The next value with this many significant digits that is not less: for what must be enough.
-pub fn no_less(value: f64, digits: usize) -> f64 {
+pub fn round_up(value: f64, digits: usize) -> f64 {
     directed(value * (1.0 - ROUNDING), digits, f64::ceil)
 }
 
 /// The next value with this many significant digits that is not more: for what is available.
-pub fn no_more(value: f64, digits: usize) -> f64 {
+pub fn round_down(value: f64, digits: usize) -> f64 {
     directed(value * (1.0 + ROUNDING), digits, f64::floor)
 }
 

@@ -4,9 +4,9 @@
 //! before they become binary, so `35 um` is the double nearest to 35·10⁻⁶ and not a rounded product.
 
 mod figures;
-pub(crate) mod slip;
+pub(crate) mod unit_suggestion;
 
-pub use figures::{count, digits, fraction, grouped, no_less, no_more, significant, to_decimals};
+pub use figures::{count, digits, fraction, grouped, round_down, round_up, significant, to_decimals};
 
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
@@ -48,7 +48,7 @@ impl Dimension {
     pub const DENSITY: Dimension = dimension(-3, 1, 0, 0, 0, 0);
     pub const VISCOSITY: Dimension = dimension(-1, 1, -1, 0, 0, 0);
     /// Turning rate of a path: angle per length.
-    pub const TURNING: Dimension = dimension(-1, 0, 0, 0, 0, 1);
+    pub const ANGLE_PER_LENGTH: Dimension = dimension(-1, 0, 0, 0, 0, 1);
     /// Length along a row or a column of an image.
     pub const PIXELS: Dimension = Dimension([0, 0, 0, 0, 0, 0, 1]);
     /// Length per pixel.
@@ -56,7 +56,7 @@ impl Dimension {
     /// Voltage per time.
     pub const SLEW_RATE: Dimension = dimension(2, 1, -4, -1, 0, 0);
     /// Voltage per length.
-    pub const SENSITIVITY: Dimension = dimension(1, 1, -3, -1, 0, 0);
+    pub const VOLTAGE_PER_LENGTH: Dimension = dimension(1, 1, -3, -1, 0, 0);
     /// Force per speed.
     pub const DAMPING: Dimension = dimension(0, 1, -1, 0, 0, 0);
 
@@ -180,11 +180,11 @@ const NAMED: &[Named] = &[
     named(Dimension::CAPACITANCE, "a capacitance", "F", "pF"),
     named(Dimension::DENSITY, "a density", "kg/m^3", "kg/m^3"),
     named(Dimension::VISCOSITY, "a viscosity", "Pa*s", "Pa*s"),
-    named(Dimension::TURNING, "a turning rate", "deg/mm", "deg/mm"),
+    named(Dimension::ANGLE_PER_LENGTH, "a turning rate", "deg/mm", "deg/mm"),
     named(Dimension::PIXELS, "a number of pixels", "px", "px"),
     named(Dimension::SCALE, "a scale", "um/px", "um/px"),
     named(Dimension::SLEW_RATE, "a slew rate", "V/s", "V/us"),
-    named(Dimension::SENSITIVITY, "a sensitivity", "V/m", "V/um"),
+    named(Dimension::VOLTAGE_PER_LENGTH, "a sensitivity", "V/m", "V/um"),
     named(Dimension::DAMPING, "a damping", "N*s/m", "uN*s/m"),
 ];
 
@@ -432,7 +432,7 @@ impl fmt::Display for Quantity {
         if self.dimension == Dimension::ANGLE {
             return write!(f, "{} deg", digits(self.si.to_degrees()));
         }
-        if self.dimension == Dimension::TURNING {
+        if self.dimension == Dimension::ANGLE_PER_LENGTH {
             return write!(f, "{} deg/mm", digits(self.in_unit("deg/mm")));
         }
         match self.dimension.named().map(|named| named.symbol) {

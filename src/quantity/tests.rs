@@ -107,7 +107,7 @@ fn figures_are_rounded_to_the_side_on_which_they_stay_true() {
         (49.999_999_999_9, 3, 50.0, 50.0, 50.0),
         (0.0, 3, 0.0, 0.0, 0.0),
     ] {
-        let rounded = (no_more(value, digits), significant(value, digits), no_less(value, digits));
+        let rounded = (round_down(value, digits), significant(value, digits), round_up(value, digits));
         assert_eq!(rounded, (less, nearest, more), "{value}");
     }
     assert_eq!((to_decimals(12.345_678, 2), to_decimals(-0.000_05, 4), to_decimals(3.0, 0)), (12.35, -0.000_1, 3.0));

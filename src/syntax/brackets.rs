@@ -1,9 +1,9 @@
 //! Bracket matching: which brackets are open, which were never closed, and where an unclosed one is taken to end.
 
-use super::around;
+use super::context;
 use super::cursor::{Brackets, Cursor, OpenBracket};
 use super::words::{takes_block, takes_fields};
-use super::{MAX_NESTING, errors, slips};
+use super::{MAX_NESTING, errors, known_mistakes};
 use crate::source::Span;
 
 fn counterpart(bracket: u8) -> u8 {
@@ -71,11 +71,11 @@ impl Cursor<'_> {
         if let Some(open) = self.brackets.open.pop() {
             let is_first = at == self.line_start + self.indent;
             if bracket == b'}' && is_first && self.indent < open.indent {
-                self.brackets.suspect.get_or_insert(open.at);
+                self.brackets.probably_unclosed.get_or_insert(open.at);
             }
         }
         if self.brackets.open.is_empty() {
-            self.brackets.suspect = None;
+            self.brackets.probably_unclosed = None;
         }
     }
 
@@ -83,15 +83,15 @@ impl Cursor<'_> {
         // A `}` on the head's own line does not show where the block should begin.
         let opens = |head: &usize| *head <= at && self.text.as_bytes()[at] == b'}';
         if let Some(head) = self.head_end.take().filter(opens) {
-            let line = around::line_before(self.text, head);
+            let line = context::line_before(self.text, head);
             if line.ends_with(':') {
                 let mark = self.span(head - 1, head);
-                self.report(slips::colon_for_brace(mark, line).mended_here(" {"));
+                self.report(known_mistakes::colon_for_brace(mark, line).with_fix_here(" {"));
                 return self.replace(head - 1, head, "{");
             }
-            let last = around::token_before_sign(&self.text[..head]).len();
+            let last = context::token_before_sign(&self.text[..head]).len();
             let mark = self.span(head - last, head);
-            self.report(slips::missing_brace(mark, line));
+            self.report(known_mistakes::missing_brace(mark, line));
             return self.replace(head, head + 1, "{");
         }
         let span = self.span(at, at + 1);
@@ -115,7 +115,7 @@ impl Cursor<'_> {
         let holds_block = lost.iter().any(|open| open.bracket == b'{');
         let line_end = outer.line_end.filter(|_| !holds_block);
         let end = line_end.map_or(limit, |end| end.min(limit));
-        let code = around::code_end_before(self.text, end).max(outer.at + 1);
+        let code = context::code_end_before(self.text, end).max(outer.at + 1);
         self.cover(outer.at, code);
     }
 
@@ -136,7 +136,7 @@ impl Cursor<'_> {
     /// Remembers where the block of the declaration must begin.
     fn head_begins(&mut self) {
         let end = self.end_of_line();
-        let code = around::code_end_before(self.text, end);
+        let code = context::code_end_before(self.text, end);
         let has_braces = takes_block(self.rest()) || takes_fields(self.rest());
         self.head_end = Some(code).filter(|code| has_braces && *code > self.at && *code < self.text.len());
     }
@@ -146,7 +146,7 @@ impl Cursor<'_> {
         if !self.text.get(self.line_start..self.at).is_some_and(|line| line.contains("table")) {
             return;
         }
-        let code = around::code_end_before(self.text, self.at);
+        let code = context::code_end_before(self.text, self.at);
         let Some(line) = self.text.get(self.line_start..code) else { return };
         let is_table = line.strip_suffix("table").is_some_and(|before| before.trim_end().ends_with(':'));
         let has_bar = |rest: &str| rest.lines().nth(1).is_some_and(|row| row.contains('|'));
@@ -154,7 +154,7 @@ impl Cursor<'_> {
             return;
         }
         let mark = self.span(code - "table".len(), code);
-        self.report(slips::missing_brace(mark, line.trim_start()));
+        self.report(known_mistakes::missing_brace(mark, line.trim_start()));
         self.replace(code, code + 1, "{");
         self.brackets.open.push(OpenBracket { bracket: b'{', at: code, indent: self.indent, line_end: None });
     }
@@ -169,7 +169,7 @@ impl Cursor<'_> {
             self.unclosed_brackets(first, limit);
         }
         if let Some(innermost) = self.brackets.open.last() {
-            let at = self.brackets.suspect.unwrap_or(innermost.at);
+            let at = self.brackets.probably_unclosed.unwrap_or(innermost.at);
             if !self.brackets.is_too_deep {
                 let span = self.span(at, at + 1);
                 self.report(errors::unclosed_brace(span, self.text, item));

@@ -51,7 +51,7 @@ pub(super) struct Brackets {
     pub open: Vec<OpenBracket>,
     /// A brace that was closed by a `}` further left than the brace's own line: its own closing brace is probably
     /// missing.
-    pub suspect: Option<usize>,
+    pub probably_unclosed: Option<usize>,
     pub is_too_deep: bool,
 }
 

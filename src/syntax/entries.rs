@@ -1,19 +1,19 @@
 //! Content of blocks: fields, objects, steps, wires, and loops over them.
 
-use super::around::{self, token_at};
+use super::context::{self, token_at};
 use super::errors;
+use super::foreign_syntax;
 use super::functions::is_function;
 use super::grammar::{Node, Rule};
-use super::habits;
+use super::known_mistakes;
 use super::lexical::is_quote;
 use super::reader::Reader;
 use super::recover;
-use super::slips;
-use super::stops;
 use super::tree::{
     Doc, Entry, Expr, ExprKind, Field, For, Ident, Object, Path, Phrase, SceneEntry, Step, TextPart, Wire, WireOutput,
     WiringEntry,
 };
+use super::unexpected_tokens;
 use super::words::is_name;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -41,7 +41,7 @@ impl Reader<'_> {
         let mut doc = None;
         for child in self.children(node) {
             // Already covered by a finding about the whole step.
-            if self.passed > 0 && self.span(&child).start < self.passed {
+            if self.covered_until > 0 && self.span(&child).start < self.covered_until {
                 continue;
             }
             if child.as_rule() == Rule::docs {
@@ -50,7 +50,8 @@ impl Reader<'_> {
             }
             // `move to 19, 28`: one mistake that the comma splits into two entries.
             let is_bad = child.as_rule() == Rule::bad_entry;
-            if let Some(slip) = is_bad.then(|| slips::rest_of_place(self.span(&child), self.source)).flatten() {
+            if let Some(slip) = is_bad.then(|| known_mistakes::rest_of_place(self.span(&child), self.source)).flatten()
+            {
                 // An unmatched closing bracket is part of the same mistake.
                 self.forget_code(Code::E0112, slip.span().unwrap_or_default());
                 self.report(slip);
@@ -84,7 +85,7 @@ impl Reader<'_> {
             recover::field_without_colon(whole).map(|text| (0, text)).or_else(|| named_entry(whole))?;
         let text = text.to_owned();
         // `pulse voltage: 20 V` is one name with a space in it.
-        if slips::blank_in_name(span, whole).is_some() {
+        if known_mistakes::blank_in_name(span, whole).is_some() {
             return None;
         }
         let start = span.start + skipped as u32;
@@ -97,11 +98,11 @@ impl Reader<'_> {
     pub fn scene_entries(&mut self, node: Node) -> Vec<SceneEntry> {
         self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
-            if let Some((finding, whole)) = slips::word_before_name(span, reader.source) {
+            if let Some((finding, whole)) = known_mistakes::word_before_name(span, reader.source) {
                 reader.forget_within(whole);
                 reader.report(finding);
                 reader.keep_name_behind(whole);
-                reader.passed = whole.end;
+                reader.covered_until = whole.end;
                 return Some(SceneEntry::Error(whole));
             }
             Some(match child.as_rule() {
@@ -120,11 +121,11 @@ impl Reader<'_> {
         self.block(node, |reader, child, doc| {
             let span = reader.span(&child);
             let is_step = child.as_rule() == Rule::step;
-            let misspelt = || habits::misspelt_behind(span, reader.source).filter(|_| is_step);
-            if let Some((finding, whole)) = habits::whole_step(span, reader.source).or_else(misspelt) {
+            let misspelt = || foreign_syntax::misspelt_behind(span, reader.source).filter(|_| is_step);
+            if let Some((finding, whole)) = foreign_syntax::whole_step(span, reader.source).or_else(misspelt) {
                 reader.forget_within(whole);
                 reader.report(finding);
-                reader.passed = whole.end;
+                reader.covered_until = whole.end;
                 return Some(Entry::Error(whole));
             }
             Some(match child.as_rule() {
@@ -148,7 +149,7 @@ impl Reader<'_> {
                 Rule::wire_loop => WiringEntry::For(reader.each(child, Self::wires)),
                 Rule::field => {
                     let field = reader.field(child, doc);
-                    if let Some(finding) = slips::equals_in_wire(&field, reader.source) {
+                    if let Some(finding) = known_mistakes::equals_in_wire(&field, reader.source) {
                         reader.forget_code(Code::E0119, field.span);
                         reader.report(finding);
                         return Some(WiringEntry::Error(span));
@@ -199,7 +200,7 @@ impl Reader<'_> {
         // The place of `part m1 : ea.droplet (1, 2)` was read as arguments.
         if at.is_none()
             && let Some(blank) = self.findings.iter().position(is_place)
-            && let Some(finding) = slips::object_without_at(span, &self.source[span.range()])
+            && let Some(finding) = known_mistakes::object_without_at(span, &self.source[span.range()])
         {
             self.findings.remove(blank);
             self.report(finding);
@@ -216,19 +217,19 @@ impl Reader<'_> {
         let span = self.span(&node);
         let mut parts = self.children(node).into_iter();
         let head = parts.next().map(|word| self.ident(&word))?;
-        if super::foreign::help(&head.text).is_some() {
+        if super::foreign_words::help(&head.text).is_some() {
             self.foreign_word(head.text.len(), span);
             return None;
         }
         if head.text == "and" {
             self.forget_code(Code::E0103, head.span);
-            let finding = stops::joined_by_and(head.span, self.source);
+            let finding = unexpected_tokens::joined_by_and(head.span, self.source);
             self.report(finding);
             return None;
         }
         // Only `set` is examined: other steps may be long.
         if head.text == "set"
-            && let Some(finding) = slips::level_on(span, self.source)
+            && let Some(finding) = known_mistakes::level_on(span, self.source)
         {
             self.report(finding);
             return None;
@@ -241,8 +242,8 @@ impl Reader<'_> {
                 Rule::noun => {
                     step.noun = part.into_inner().next().map(|word| self.ident(&word));
                     // `set the lamp to high`
-                    if let Some(article) = step.noun.take_if(|noun| stops::is_article(&noun.text)) {
-                        let finding = stops::article(article.span, self.source);
+                    if let Some(article) = step.noun.take_if(|noun| unexpected_tokens::is_article(&noun.text)) {
+                        let finding = unexpected_tokens::article(article.span, self.source);
                         self.report(finding);
                     }
                 }
@@ -251,7 +252,7 @@ impl Reader<'_> {
                     let mut object = self.object_of_step(part, step.noun.as_ref());
                     // `run` is followed by a task with its arguments.
                     if step.head.text != "run" {
-                        self.mend_index(&mut object);
+                        self.fix_index(&mut object);
                         // `move m1 (8, 9)` lacks a preposition; it has no superfluous space. `move any [a, b]` does not
                         // use `any` as a name.
                         if is_no_function(&object) || is_any(&object) {
@@ -270,7 +271,7 @@ impl Reader<'_> {
     /// Reads the object of a step, which may be a place after a misspelt preposition.
     fn object_of_step(&mut self, node: Node, noun: Option<&Ident>) -> Expr {
         let span = self.span(&node);
-        match habits::misspelt_preposition(span, noun.map(|noun| noun.text.as_str()), self.source) {
+        match foreign_syntax::misspelt_preposition(span, noun.map(|noun| noun.text.as_str()), self.source) {
             Some(finding) => {
                 self.report(finding);
                 Expr { kind: ExprKind::Error, span }
@@ -280,7 +281,7 @@ impl Reader<'_> {
     }
 
     /// Reads `drop(2)` as `drop[2]` and reports it.
-    fn mend_index(&mut self, value: &mut Expr) {
+    fn fix_index(&mut self, value: &mut Expr) {
         let ExprKind::Call { function, arguments } = &mut value.kind else { return };
         let bracket = function.span.end as usize;
         let [argument] = arguments.as_slice() else { return };
@@ -288,7 +289,7 @@ impl Reader<'_> {
         let [.., last] = function.segments.as_mut_slice() else { return };
         let is_name = !is_function(&last.name.text) && last.indices.is_empty();
         if is_index && is_name && self.source[bracket..].starts_with('(') {
-            let finding = stops::round_index(value.span, bracket, self.source);
+            let finding = unexpected_tokens::round_index(value.span, bracket, self.source);
             last.indices = std::mem::take(arguments);
             last.span.end = value.span.end;
             let path = Path { span: value.span, segments: std::mem::take(&mut function.segments) };
@@ -302,13 +303,13 @@ impl Reader<'_> {
     fn part_place(&mut self, value: &Expr) {
         self.forget_code(Code::E0108, value.span);
         let written = &self.source[value.span.range()];
-        let name = around::token_at(written, 0);
-        let finding = match stops::is_article(name) {
-            true => Some(stops::article(around::first_word(value.span, name.len()), self.source)),
+        let name = context::token_at(written, 0);
+        let finding = match unexpected_tokens::is_article(name) {
+            true => Some(unexpected_tokens::article(context::first_word(value.span, name.len()), self.source)),
             false => written.find('(').and_then(|bracket| {
                 let at = value.span.start as usize + bracket;
-                let line = around::line_before(self.source, at);
-                stops::word_missing(around::part(value.span, at, at + 1), line, self.source)
+                let line = context::line_before(self.source, at);
+                unexpected_tokens::word_missing(context::part(value.span, at, at + 1), line, self.source)
             }),
         };
         finding.into_iter().for_each(|finding| self.report(finding));
@@ -323,7 +324,7 @@ impl Reader<'_> {
             if text.contains([' ', '\t']) { text.split_whitespace().collect::<Vec<_>>().join(" ") } else { text };
         let preposition = Ident { text, span: at };
         let mut value = self.value(parts.next(), span);
-        self.mend_index(&mut value);
+        self.fix_index(&mut value);
         if is_no_function(&value) && self.findings.iter().any(|finding| is_blank_in(finding, value.span)) {
             self.part_place(&value);
             value.kind = ExprKind::Error;

@@ -1,6 +1,6 @@
 //! Diagnostics of the parser: one function per mistake.
 
-use super::around::{
+use super::context::{
     after, blanks_end, code_end_before, first_word, line_after, line_before, line_part, part, quote, token_at,
     token_before, token_before_sign, value_in, visible, with_blanks,
 };
@@ -38,8 +38,8 @@ pub(super) fn late_brace(mark: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0105, "`{` on a line of its own")
         .label(part(mark, brace, brace + 1), "this opens the block of the line above")
         .help(format!("write it at the end of that line: `{line} {{`"))
-        .mended(part(mark, end, end), " {")
-        .mended(line_part(mark, brace, brace + 1, text), "")
+        .with_fix(part(mark, end, end), " {")
+        .with_fix(line_part(mark, brace, brace + 1, text), "")
 }
 
 pub(super) fn leading_operator(mark: Span, text: &str) -> Diagnostic {
@@ -52,8 +52,8 @@ pub(super) fn leading_operator(mark: Span, text: &str) -> Diagnostic {
         .help(format!(
             "a line continues after an operator, not before one: end the line above with `{line} {operator}`"
         ))
-        .mended(part(mark, end, end), format!(" {operator}"))
-        .mended(part(mark, start, blanks_end(text, start + operator.len())), "")
+        .with_fix(part(mark, end, end), format!(" {operator}"))
+        .with_fix(part(mark, start, blanks_end(text, start + operator.len())), "")
 }
 
 pub(super) fn leading_preposition(mark: Span, text: &str) -> Diagnostic {
@@ -66,7 +66,7 @@ pub(super) fn leading_preposition(mark: Span, text: &str) -> Diagnostic {
         .label(part(mark, start, start + word.len()), "this belongs to the line above")
         .help(format!("write the step on one line: `{joined}`"));
     // Joining the lines would let a comment between them swallow the rest of the step.
-    if text[end..start].trim().is_empty() { finding.mended(part(mark, end, start), " ") } else { finding }
+    if text[end..start].trim().is_empty() { finding.with_fix(part(mark, end, start), " ") } else { finding }
 }
 
 pub(super) fn blank_before_bracket(mark: Span, text: &str) -> Diagnostic {
@@ -77,7 +77,7 @@ pub(super) fn blank_before_bracket(mark: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0108, format!("a space between `{name}` and `{bracket}`"))
         .label(place, "expected no space here")
         .help(format!("write `{name}{bracket}…`: an index or an argument follows its name directly"))
-        .mended(part(mark, start, mark.end as usize), "")
+        .with_fix(part(mark, start, mark.end as usize), "")
 }
 
 pub(super) fn wrong_colon(mark: Span, text: &str) -> Diagnostic {
@@ -86,7 +86,7 @@ pub(super) fn wrong_colon(mark: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0119, format!("`{sign}` where `:` belongs"))
         .label(mark, "`:` goes between a name and its value")
         .help(format!("write `{name}: {}`", quote(value_in(line_after(text, mark.end as usize)))))
-        .mended(with_blanks(mark, text), ": ")
+        .with_fix(with_blanks(mark, text), ": ")
 }
 
 pub(super) fn wrong_equals(mark: Span, text: &str) -> Diagnostic {
@@ -95,7 +95,7 @@ pub(super) fn wrong_equals(mark: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0119, format!("`{sign}` where `=` belongs"))
         .label(mark, "`let` takes `=`")
         .help(format!("write `let {name} = {}`", quote(line_after(text, mark.end as usize))))
-        .mended(with_blanks(mark, text), " = ")
+        .with_fix(with_blanks(mark, text), " = ")
 }
 
 pub(super) fn joined(mark: Span, text: &str) -> Diagnostic {
@@ -106,7 +106,7 @@ pub(super) fn joined(mark: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0103, format!("`{word}` begins anew on the same line"))
         .label(part(mark, start, start + word.len()), "what comes before this is complete")
         .help(format!("put a comma or a line end before `{word}`"))
-        .mended(part(mark, end, start), if is_item { "\n" } else { ", " })
+        .with_fix(part(mark, end, start), if is_item { "\n" } else { ", " })
 }
 
 pub(super) fn reserved_name(name: &Ident) -> Diagnostic {
@@ -170,7 +170,7 @@ pub(super) fn bar_before_row(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0128, "a row that begins with `|`")
         .label(mark, "`|` goes between values")
         .help("remove it: a row is one line, such as `D1 | 92 | 31`")
-        .mended(mark, "")
+        .with_fix(mark, "")
 }
 
 pub(super) fn bad_header(span: Span) -> Diagnostic {
@@ -265,7 +265,7 @@ pub(super) fn unterminated_string(span: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0115, "a string does not end on its line")
         .label(span, "opened here")
         .help(format!("close it: `{written}\"`"))
-        .mended(span.after(), "\"")
+        .with_fix(span.after(), "\"")
 }
 
 pub(super) fn open_text_hole(span: Span) -> Diagnostic {
@@ -291,15 +291,15 @@ pub(super) fn block_comment(span: Span, comment: &str, ends_line: bool) -> Diagn
     }
     let at = |offset: usize| span.start as usize + offset;
     let body = comment.len() - "*/".len();
-    let mut finding = finding.mended(part(span, at(0), at(2)), "//");
+    let mut finding = finding.with_fix(part(span, at(0), at(2)), "//");
     for (line, _) in comment[..body].match_indices('\n') {
         let start = blanks_end(comment, line + 1);
         // A star at the beginning of a line is decoration of the comment.
         let star = usize::from(comment[start..body].starts_with('*'));
         let gap = if star == 0 && start < body { "// " } else { "//" };
-        finding = finding.mended(part(span, at(start), at(start + star)), gap);
+        finding = finding.with_fix(part(span, at(start), at(start + star)), gap);
     }
-    finding.mended(part(span, at(body), at(comment.len())), "")
+    finding.with_fix(part(span, at(body), at(comment.len())), "")
 }
 
 pub(super) fn foreign_comment(span: Span, comment: &str) -> Diagnostic {
@@ -308,19 +308,19 @@ pub(super) fn foreign_comment(span: Span, comment: &str) -> Diagnostic {
     Diagnostic::new(Code::E0125, format!("a comment that begins with `{mark}`"))
         .label(span, "comments begin with `//`")
         .help(format!("write `// {}`", quote(words.trim())))
-        .mended(
+        .with_fix(
             first_word(span, comment.len() - words.len()),
             if words.starts_with([' ', '\t']) { "//" } else { "// " },
         )
 }
 
-/// A `;`; `mend` is the replacement.
-pub(super) fn semicolon(span: Span, mend: &str) -> Diagnostic {
-    let help = match mend {
+/// A `;`; `fix` is the replacement.
+pub(super) fn semicolon(span: Span, fix: &str) -> Diagnostic {
+    let help = match fix {
         "," => "write a comma: it is the only separator inside brackets",
         _ => "remove it: a field, a step or a declaration ends at the end of the line or at a comma",
     };
-    Diagnostic::new(Code::E0104, "a `;`").label(span, "not a separator").help(help).mended_here(mend)
+    Diagnostic::new(Code::E0104, "a `;`").label(span, "not a separator").help(help).with_fix_here(fix)
 }
 
 pub(super) fn foreign_sign(span: Span, theirs: char, ours: &str) -> Diagnostic {
@@ -328,28 +328,28 @@ pub(super) fn foreign_sign(span: Span, theirs: char, ours: &str) -> Diagnostic {
         " " => ("a non-breaking space".to_owned(), "write an ordinary space".to_owned()),
         _ => (format!("`{theirs}` is not part of the language"), format!("write `{ours}`")),
     };
-    Diagnostic::new(Code::E0118, title).label(span, "this character").help(help).mended_here(ours)
+    Diagnostic::new(Code::E0118, title).label(span, "this character").help(help).with_fix_here(ours)
 }
 
 pub(super) fn foreign_signs(span: Span, theirs: &str, ours: &str) -> Diagnostic {
     Diagnostic::new(Code::E0118, format!("`{theirs}` is not part of the language"))
         .label(span, "from another language")
         .help(format!("write `{ours}`"))
-        .mended_here(ours)
+        .with_fix_here(ours)
 }
 
 pub(super) fn foreign_quotes(span: Span, inside: &str) -> Diagnostic {
     Diagnostic::new(Code::E0118, "quotation marks that are not part of the language")
         .label(span, "write strings in plain double quotes")
         .help(format!("write `\"{}\"`", quote(inside)))
-        .mended_here(format!("\"{inside}\""))
+        .with_fix_here(format!("\"{inside}\""))
 }
 
 pub(super) fn transpose(mark: Span) -> Diagnostic {
     Diagnostic::new(Code::E0118, "`'` is not part of the language")
         .label(mark, "from another language")
         .help("remove it: lists are neither rows nor columns")
-        .mended_here("")
+        .with_fix_here("")
 }
 
 /// A quoted field name, as in `'right': 5`.
@@ -357,7 +357,7 @@ pub(super) fn quoted_name(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0118, format!("quotes around the name `{name}`"))
         .label(span, "names are written without quotes")
         .help(format!("write `{name}`"))
-        .mended_here(name)
+        .with_fix_here(name)
 }
 
 pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
@@ -372,7 +372,7 @@ pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
         Some('\\') => "a line continues after an operator or inside brackets, without a marker",
         _ => "remove it: names consist of letters, digits and `_`",
     };
-    let mend = match written {
+    let fix = match written {
         "°" => Some(" deg"),
         "±" => Some(""),
         _ => None,
@@ -382,15 +382,15 @@ pub(super) fn foreign_character(span: Span, text: &str) -> Diagnostic {
         return Diagnostic::new(Code::E0118, format!("an invisible character, {}", codes.join(" ")))
             .label(span, "it is here")
             .help("remove it: such characters often come with text copied from a web page")
-            .mended_here("");
+            .with_fix_here("");
     }
     let shown: String =
         written.chars().flat_map(|c| if is_invisible(c) { c.escape_unicode().collect() } else { vec![c] }).collect();
     let finding = Diagnostic::new(Code::E0118, format!("`{}` is not part of the language", quote(&shown)))
         .label(span, "this character")
         .help(help);
-    match mend {
-        Some(mend) => finding.mended_here(mend),
+    match fix {
+        Some(fix) => finding.with_fix_here(fix),
         None => finding,
     }
 }
@@ -417,12 +417,12 @@ pub(super) fn two_points(span: Span, written: &str) -> Diagnostic {
 pub(super) fn bare_point(span: Span, written: &str) -> Diagnostic {
     let digits = quote(written.trim_end_matches('.'));
     bad_number(span, format!("`{}` ends with a point", quote(written)), format!("write `{digits}` or `{digits}.0`"))
-        .mended_here(written.trim_end_matches('.'))
+        .with_fix_here(written.trim_end_matches('.'))
 }
 
 pub(super) fn bare_fraction(span: Span, written: &str) -> Diagnostic {
     bad_number(span, format!("`{}` begins with a point", quote(written)), format!("write `0{}`", quote(written)))
-        .mended_here(format!("0{written}"))
+        .with_fix_here(format!("0{written}"))
 }
 
 pub(super) fn no_exponent(span: Span, written: &str) -> Diagnostic {
@@ -441,13 +441,13 @@ pub(super) fn misplaced_doc(span: Span, text: &str) -> Diagnostic {
         return finding
             .label(span, "`//!` documents the file and belongs at its top")
             .help(format!("write `// {}`, or move it to the top of the file", quote(words)))
-            .mended(mark, "//");
+            .with_fix(mark, "//");
     }
     if before.is_empty() {
         return finding
             .label(span, "no declaration, field or object follows")
             .help(format!("write `// {}`", quote(words)))
-            .mended(mark, "//");
+            .with_fix(mark, "//");
     }
     finding.label(span, "`///` documents the item after it, not before it").help(format!(
         "put it on a line of its own above `{}`, or write `// {}`",
@@ -460,7 +460,7 @@ pub(super) fn foreign_word(word: Span, text: &str) -> Diagnostic {
     let written = &text[word.range()];
     Diagnostic::new(Code::E0122, format!("`{written}` is not a word of the language"))
         .label(word, "from another language")
-        .help(super::foreign::help(written).unwrap_or_default())
+        .help(super::foreign_words::help(written).unwrap_or_default())
 }
 
 pub(super) fn let_in_block(span: Span, text: &str) -> Diagnostic {
@@ -493,7 +493,7 @@ pub(super) fn missing_colon(span: Span, name: &str, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0119, format!("`:` is missing after `{name}`"))
         .label(first_word(span, name.len()), "a field takes `:` before its value")
         .help(format!("write `{name}: {}`", quote(value)))
-        .mended(first_word(span, name.len()).after(), ":")
+        .with_fix(first_word(span, name.len()).after(), ":")
 }
 
 pub(super) fn not_an_entry(span: Span, place: ListPlace, text: &str) -> Diagnostic {
@@ -518,7 +518,7 @@ pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
         return Diagnostic::new(Code::E0103, format!("a comma is missing before `{}`", quote(token)))
             .label(visible(rest, text), "the value before this is complete")
             .help("separate the values of a list with commas, as in `[(3, 9), (8, 3)]`")
-            .mended(behind, ",");
+            .with_fix(behind, ",");
     }
     // `let n 3`
     let (line, at) = (line_before(text, rest.start as usize), rest.start as usize);
@@ -527,7 +527,7 @@ pub(super) fn bad_short_item(rest: Span, rule: Rule, text: &str) -> Diagnostic {
     let is_value = is_name(value) || !value.starts_with(|c: char| c.is_alphabetic());
     match line.strip_prefix("let ").map(str::trim) {
         Some(name) if is_name(name) && is_value => {
-            finding.help(format!("write `let {name} = {}`", quote(value))).mended(part(rest, at, at), "= ")
+            finding.help(format!("write `let {name} = {}`", quote(value))).with_fix(part(rest, at, at), "= ")
         }
         Some(_) | None => finding.help("write it as `let pitch = 70 um`"),
     }
@@ -539,7 +539,7 @@ pub(super) fn misspelt_item(span: Span, text: &str, right: &str) -> Diagnostic {
     Diagnostic::new(Code::E0111, format!("no declaration begins with `{word}`"))
         .label(first_word(span, word.len()), format!("did you mean `{right}`?"))
         .help(format!("write `{right}{}`", quote(&line[word.len()..])))
-        .mended_here(right)
+        .with_fix_here(right)
 }
 
 const ITEM_WORDS: &str = "`use`, `let`, `device`, `instrument`, `output`, `scene`, `task`, `program` or `wiring`";
@@ -560,14 +560,14 @@ pub(super) fn value_without_let(span: Span, text: &str) -> Diagnostic {
         return Diagnostic::new(Code::E0111, format!("`{word}` is declared without its keyword"))
             .label(first_word(span, word.len()), "a declaration begins with its keyword")
             .help(format!("write `{noun} {word} : {}`", quote(value)))
-            .mended(part(span, start, start), format!("{noun} "))
-            .mended(part(span, start + word.len(), start + (line.len() - value.len())), " : ");
+            .with_fix(part(span, start, start), format!("{noun} "))
+            .with_fix(part(span, start + word.len(), start + (line.len() - value.len())), " : ");
     }
     Diagnostic::new(Code::E0111, format!("`{word}` is given a value without `let`"))
         .label(first_word(span, word.len()), "a declaration begins with its keyword")
         .help(format!("write `let {word} = {}`", quote(value)))
-        .mended(part(span, start, start), "let ")
-        .mended(part(span, start + word.len(), start + (line.len() - value.len())), " = ")
+        .with_fix(part(span, start, start), "let ")
+        .with_fix(part(span, start + word.len(), start + (line.len() - value.len())), " = ")
 }
 
 /// The noun of a declaration whose kind and fields were written as a value: `dimibot.femto_st { … }`.

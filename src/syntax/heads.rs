@@ -1,19 +1,19 @@
 //! Mistakes in the heads of declarations, between the name and the block.
 
-use super::around::{self, part, quote, token_at, token_before};
+use super::context::{self, part, quote, token_at, token_before};
 use super::grammar::Rule;
 use super::words::{PARAMETER_SORTS, end_of_word, is_name, is_word};
-use super::{habits, slips, stops};
+use super::{foreign_syntax, known_mistakes, unexpected_tokens};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
 /// Bytes at the beginning of a file that are searched for the intended device: a file may be large and have many broken
 /// heads.
-const DEVICES_SIGHT_BYTES: usize = 1 << 16;
+const SEARCH_WINDOW_BYTES: usize = 1 << 16;
 
 /// The names that the beginning of a file declares with a given word, such as `device `.
 fn declared<'s>(source: &'s str, by: &'static str) -> impl Iterator<Item = &'s str> {
-    let seen = &source[..source.floor_char_boundary(DEVICES_SIGHT_BYTES)];
+    let seen = &source[..source.floor_char_boundary(SEARCH_WINDOW_BYTES)];
     seen.lines().filter_map(move |line| line.strip_prefix(by)).map(|name| token_at(name.trim_start(), 0))
 }
 
@@ -39,16 +39,16 @@ pub(super) fn of_use(span: Span, text: &str) -> Option<Diagnostic> {
     };
     let path = if path.starts_with('"') { path.to_owned() } else { path.replace("::", ".").replace(['/', '\\'], ".") };
     let is_path = path.starts_with('"') || path.split('.').all(|word| !word.is_empty() && word.chars().all(is_word));
-    let mended = format!("use {path}{alias}");
-    (is_path && mended != line).then(|| {
+    let fixed = format!("use {path}{alias}");
+    (is_path && fixed != line).then(|| {
         let start = span.start as usize + (line.len() - written.len());
         Diagnostic::new(Code::E0124, "a `use` in the style of another language")
             .label(
                 part(span, start, span.start as usize + line.len()),
                 "expected a file, with `as` before another name for it",
             )
-            .help(format!("write `{}`", quote(&mended)))
-            .mended_here(&mended["use ".len()..])
+            .help(format!("write `{}`", quote(&fixed)))
+            .with_fix_here(&fixed["use ".len()..])
     })
 }
 
@@ -77,18 +77,18 @@ pub(super) fn word_twice(word: Span, source: &str) -> Diagnostic {
     Diagnostic::new(Code::E0101, format!("`{text}` is repeated"))
         .label(word, "expected a name")
         .help(format!("write `{text}` once"))
-        .mended(part(word, word.start as usize, around::blanks_end(source, word.end as usize)), "")
+        .with_fix(part(word, word.start as usize, context::blanks_end(source, word.end as usize)), "")
 }
 
 /// Diagnoses a known mistake in the head of a declaration; `rest` is the part that could not be read.
-pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
+pub(super) fn diagnose(rest: Span, rule: Rule, item: Span, source: &str) -> Option<Diagnostic> {
     let written = &source[rest.range()];
     // The parameters were read, so the mistake is after them.
     let behind = written.trim_start().starts_with('(').then(|| written.find(')')).flatten().map_or(0, |at| at + 1);
     let start = rest.start as usize + (written.len() - written[behind..].trim_start().len());
     let before = quote(source[item.start as usize..start].trim_end());
     let head = BrokenHead { rest, start, text: written[behind..].trim(), before, source };
-    if let Some(habit) = habits::name(part(rest, start, rest.end as usize), source) {
+    if let Some(habit) = foreign_syntax::name(part(rest, start, rest.end as usize), source) {
         return Some(habit);
     }
     if let Some(slip) = device_in_brackets(rest, behind, rule, source) {
@@ -101,7 +101,7 @@ pub(super) fn slip(rest: Span, rule: Rule, item: Span, source: &str) -> Option<D
         return Some(head.wrong("`(` where `{` belongs", 1, "a block is enclosed in braces", "{"));
     }
     match rule {
-        Rule::device_rest if head.text.is_empty() => slips::device_without_kind(item, &source[item.range()]),
+        Rule::device_rest if head.text.is_empty() => known_mistakes::device_without_kind(item, &source[item.range()]),
         Rule::device_rest => head.of_base("a device and its kind"),
         Rule::instrument_rest => head.of_base("an instrument and its family"),
         Rule::output_rest => head.of_output(),
@@ -121,7 +121,7 @@ fn device_in_brackets(rest: Span, behind: usize, rule: Rule, source: &str) -> Op
         Diagnostic::new(Code::E0124, "the device of a task in brackets")
             .label(brackets, format!("`{device}` is a device"))
             .help(format!("write `on {device}`: brackets hold parameters, as in `task go(goal: cell) on {device}`"))
-            .mended(brackets, format!(" on {device}"))
+            .with_fix(brackets, format!(" on {device}"))
     })
 }
 
@@ -150,7 +150,7 @@ fn parameter(rest: Span, behind: usize, rule: Rule, source: &str) -> Option<Diag
                     _ if PARAMETER_SORTS.contains(&first) => (second, first),
                     _ => (first, second),
                 };
-                finding.help(format!("write `{name}: {sort}`")).mended_here(format!("{name}: {sort}"))
+                finding.help(format!("write `{name}: {sort}`")).with_fix_here(format!("{name}: {sort}"))
             }
             _ if text.contains('=') && is_name(name) => finding.help(format!(
                 "write `{name}: SORT`, with a sort such as `cell` or `time`: a parameter gets its value from `run`"
@@ -195,10 +195,10 @@ impl BrokenHead<'_> {
         part(self.rest, self.start + at, self.start + at + length)
     }
 
-    /// Diagnoses the first `length` bytes of the text; the help replaces the text with `mend`.
-    fn wrong(&self, title: &str, length: usize, note: &str, mend: &str) -> Diagnostic {
+    /// Diagnoses the first `length` bytes of the text; the help replaces the text with `fix`.
+    fn wrong(&self, title: &str, length: usize, note: &str, fix: &str) -> Diagnostic {
         let finding = Diagnostic::new(Code::E0124, title).label(self.mark(0, length), note);
-        finding.help(format!("write `{} {mend}`", self.before))
+        finding.help(format!("write `{} {fix}`", self.before))
     }
 
     /// `device bot = dimibot`, `device bot dimibot {`, `device bot : dimibot(left: 5)`,
@@ -213,15 +213,15 @@ impl BrokenHead<'_> {
             let title = format!("`{word}` where `:` belongs");
             let finding = self.wrong(&title, word.len(), &note, &format!(": {}", quote(base)));
             return Some(match behind.len() - base.len() {
-                0 => finding.mended_here(":"),
-                article => finding.mended(self.mark(0, length + article), ": "),
+                0 => finding.with_fix_here(":"),
+                article => finding.with_fix(self.mark(0, length + article), ": "),
             });
         }
         if self.text.starts_with(is_word) {
             let behind = self.text.trim_start_matches(|c| is_word(c) || c == '.');
             let base = &self.text[..self.text.len() - behind.len()];
             let finding = self.wrong("`:` is missing", word.len(), &note, &format!(": {}", quote(base)));
-            return Some(if behind.is_empty() { finding.mended(self.mark(0, 0), ": ") } else { finding });
+            return Some(if behind.is_empty() { finding.with_fix(self.mark(0, 0), ": ") } else { finding });
         }
         let base = self.text.strip_prefix(':')?.trim_start();
         if without_article(base).len() < base.len() {
@@ -236,7 +236,7 @@ impl BrokenHead<'_> {
             return Some(
                 finding
                     .help(format!("write `{} : {base} {{ {}", self.before, quote(self.text[behind_base..].trim())))
-                    .mended(self.mark(behind_base, 0), " {"),
+                    .with_fix(self.mark(behind_base, 0), " {"),
             );
         }
         let at = self.text.find('(')?;
@@ -249,7 +249,7 @@ impl BrokenHead<'_> {
 
     /// Diagnoses an article at a byte of the text.
     fn article(&self, at: usize) -> Diagnostic {
-        stops::article(self.mark(at, token_at(&self.text[at..], 0).len()), self.source)
+        unexpected_tokens::article(self.mark(at, token_at(&self.text[at..], 0).len()), self.source)
     }
 
     /// `output camera : trigger 5 ms -> "Dev1/pfi0"`.
@@ -271,7 +271,7 @@ impl BrokenHead<'_> {
         let length = self.text.len() - device.len() + end_of_word(device, 0);
         let finding =
             self.wrong("a program on a device", length, "a program has no device of its own; its tasks have", "{");
-        Some(finding.mended(around::with_blanks(self.mark(0, length), self.source), " "))
+        Some(finding.with_fix(context::with_blanks(self.mark(0, length), self.source), " "))
     }
 
     /// `task go`, `task go in bench`, `task go with bot`, and mistakes after `on`.
@@ -282,9 +282,9 @@ impl BrokenHead<'_> {
         }
         if word == "in" {
             let (scene, device) = self.text.split_once(" on ").unwrap_or((self.text, "DEVICE"));
-            let mend = format!("on {} {} {{", quote(device.trim()), quote(scene));
+            let fix = format!("on {} {} {{", quote(device.trim()), quote(scene));
             let note = "expected `on` and a device before this";
-            return Some(self.wrong("a task without its device", word.len(), note, &mend));
+            return Some(self.wrong("a task without its device", word.len(), note, &fix));
         }
         if let Some(finding) = self.lacking(0, "on", devices(self.source)) {
             return Some(finding);
@@ -292,10 +292,10 @@ impl BrokenHead<'_> {
         let device = self.text[word.len()..].trim_start();
         if word == "on" && token_at(device, 0) == "in" {
             let first = devices(self.source).next();
-            let mend = format!("on {} {} {{", quote(first.unwrap_or("DEVICE")), quote(device));
-            let finding = self.wrong("a task without its device", word.len(), "expected a device after this", &mend);
+            let fix = format!("on {} {} {{", quote(first.unwrap_or("DEVICE")), quote(device));
+            let finding = self.wrong("a task without its device", word.len(), "expected a device after this", &fix);
             return Some(match first {
-                Some(first) => finding.mended(self.mark(word.len(), 0), format!(" {first}")),
+                Some(first) => finding.with_fix(self.mark(word.len(), 0), format!(" {first}")),
                 None => finding,
             });
         }
@@ -310,12 +310,12 @@ impl BrokenHead<'_> {
                 let finding = Diagnostic::new(Code::E0110, format!("a name of two words, `{first} {word}`"));
                 let finding = finding
                     .label(part(self.rest, end - first.len(), self.start + word.len()), "names contain no spaces");
-                return Some(finding.help(format!("write `task {name} {}`", quote(device))).mended_here(name));
+                return Some(finding.help(format!("write `task {name} {}`", quote(device))).with_fix_here(name));
             }
             let title = format!("`{word}` where `on` belongs");
-            let mend = format!("on {} {{", quote(device));
-            let finding = self.wrong(&title, word.len(), "a task runs `on` a device", &mend);
-            return word.starts_with(is_word).then(|| finding.mended_here("on"));
+            let fix = format!("on {} {{", quote(device));
+            let finding = self.wrong(&title, word.len(), "a task runs `on` a device", &fix);
+            return word.starts_with(is_word).then(|| finding.with_fix_here("on"));
         }
         let after = device.trim_start_matches(|c| is_word(c) || c == '.').trim_start();
         self.behind_device(self.text.len() - after.len())
@@ -341,8 +341,8 @@ impl BrokenHead<'_> {
             quote(rest.trim_end())
         ));
         Some(match is_joined {
-            true => finding.mended(self.mark(at, word.len()), format!("{before} {named}")),
-            false => finding.mended(self.mark(at, 0), format!("{before} ")),
+            true => finding.with_fix(self.mark(at, word.len()), format!("{before} {named}")),
+            false => finding.with_fix(self.mark(at, 0), format!("{before} ")),
         })
     }
 
@@ -355,7 +355,7 @@ impl BrokenHead<'_> {
             .label(part(self.rest, end - last, end), "expected `on` and a device after this")
             .help(format!("write `{} on {} {{`", self.before, quote(device.unwrap_or("DEVICE"))));
         match device {
-            Some(device) => finding.mended(part(self.rest, end, end), format!(" on {device}")),
+            Some(device) => finding.with_fix(part(self.rest, end, end), format!(" on {device}")),
             None => finding,
         }
     }
@@ -364,7 +364,8 @@ impl BrokenHead<'_> {
     fn behind_device(&self, at: usize) -> Option<Diagnostic> {
         let after = &self.text[at..];
         let word = token_at(after, 0);
-        if let Some(habit) = habits::name(part(self.rest, self.start + at, self.rest.end as usize), self.source) {
+        if let Some(habit) = foreign_syntax::name(part(self.rest, self.start + at, self.rest.end as usize), self.source)
+        {
             return Some(habit);
         }
         if word == "," {
@@ -384,12 +385,12 @@ impl BrokenHead<'_> {
         if let Some(finding) = self.lacking(at, "in", declared(self.source, "scene ")) {
             return Some(finding);
         }
-        let mend = format!("{} {}in {} {{", self.before, &self.text[..at], quote(scene));
+        let fix = format!("{} {}in {} {{", self.before, &self.text[..at], quote(scene));
         Some(
             Diagnostic::new(Code::E0124, format!("`{word}` where `in` belongs"))
                 .label(self.mark(at, word.len()), "a task runs `in` a scene")
-                .help(format!("write `{mend}`"))
-                .mended_here("in"),
+                .help(format!("write `{fix}`"))
+                .with_fix_here("in"),
         )
     }
 }

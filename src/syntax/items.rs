@@ -1,11 +1,11 @@
 //! Declarations at the top of a file.
 
-use super::around;
+use super::context;
 use super::errors;
 use super::grammar::{Node, Rule};
 use super::heads;
+use super::known_mistakes;
 use super::reader::Reader;
-use super::slips;
 use super::tree::{
     Device, Doc, ExprKind, Ident, Item, Let, Parameter, Path, Program, Scene, Task, Use, UsePath, Wiring,
 };
@@ -49,7 +49,9 @@ impl Reader<'_> {
     /// reported and that value becomes an error.
     fn belongs_to_let(&mut self, node: &Node, last: Option<&mut Item>) -> bool {
         let Some(Item::Let(Let { value, .. })) = last else { return false };
-        let Some(finding) = slips::let_without_brackets(value.span, self.span(node), self.source) else { return false };
+        let Some(finding) = known_mistakes::let_without_brackets(value.span, self.span(node), self.source) else {
+            return false;
+        };
         self.report(finding);
         value.kind = ExprKind::Error;
         true
@@ -105,7 +107,7 @@ impl Reader<'_> {
         for part in self.children(rest) {
             match part.as_rule() {
                 // `device device left : …`: the rest is read once the word is gone.
-                Rule::name if part.as_str() == around::token_at(self.source, span.start as usize) => {
+                Rule::name if part.as_str() == context::token_at(self.source, span.start as usize) => {
                     let twice = self.span(&part);
                     self.report(heads::word_twice(twice, self.source));
                     return DeclarationHead { is_broken: true, ..DeclarationHead::default() };
@@ -130,10 +132,10 @@ impl Reader<'_> {
                         if self.is_reserved_name(rest) {
                             continue;
                         }
-                        let slip = heads::slip(rest, rule, span, self.source);
+                        let slip = heads::diagnose(rest, rule, span, self.source);
                         let finding = slip.unwrap_or_else(|| errors::bad_head(rest, rule, span, self.source));
                         self.keep_mended_name(&finding);
-                        if finding.mend.iter().any(|edit| edit.text == " {") {
+                        if finding.fix.iter().any(|edit| edit.text == " {") {
                             self.forget_stray_brace(rest.start);
                         }
                         self.report(finding);

@@ -2,7 +2,7 @@
 
 use super::cursor::Cursor;
 use super::words::{end_of_word, is_name, is_word};
-use super::{MAX_NESTING, errors, habits, slips};
+use super::{MAX_NESTING, errors, foreign_syntax, known_mistakes};
 
 /// Greatest number of bytes in a name: every channel, file and message that uses a name repeats it.
 pub const MAX_NAME_BYTES: usize = 200;
@@ -17,10 +17,10 @@ pub(super) fn word(cursor: &mut Cursor) {
         cursor.cover(start, end);
     }
     if cursor.text[start..end] == *"require"
-        && let Some((words, sign)) = habits::comparison(&cursor.text[end..cursor.end_of_line()])
+        && let Some((words, sign)) = foreign_syntax::comparison(&cursor.text[end..cursor.end_of_line()])
     {
         let (from, to) = (end + words.start, end + words.end);
-        let finding = habits::comparison_in_words(cursor.span(from, to), start, sign, cursor.text);
+        let finding = foreign_syntax::comparison_in_words(cursor.span(from, to), start, sign, cursor.text);
         cursor.report(finding);
         cursor.replace(from, to, sign);
     }
@@ -154,12 +154,12 @@ fn decimal_comma(cursor: &mut Cursor, start: usize) {
     if written.bytes().all(|byte| byte.is_ascii_digit() || byte == b',') && !text[end..].starts_with([',', '.']) {
         let span = cursor.span(start, end);
         if end - comma == 4 && !written.starts_with('0') {
-            cursor.report(slips::thousands_comma(span, written));
+            cursor.report(known_mistakes::thousands_comma(span, written));
             cursor.cover(start, end);
             cursor.at = end;
             return;
         }
-        cursor.report(slips::decimal_comma(span, written));
+        cursor.report(known_mistakes::decimal_comma(span, written));
         cursor.replace(start, end, &written.replacen(',', ".", 1));
         cursor.at = end;
     }
@@ -196,12 +196,12 @@ pub(super) fn semicolon(cursor: &mut Cursor) {
     let rest = cursor.text[start + 1..cursor.end_of_line()].trim_start();
     let is_last = rest.is_empty() || rest.starts_with("//") || rest.starts_with('}');
     let span = cursor.span(start, start + 1);
-    let mend = match is_last {
+    let fix = match is_last {
         true => "",
         false if cursor.brackets.is_empty() => "\n",
         false => ",",
     };
-    cursor.report(errors::semicolon(span, mend));
+    cursor.report(errors::semicolon(span, fix));
     cursor.replace(start, start + 1, if is_last { "" } else { "," });
     cursor.at += 1;
 }

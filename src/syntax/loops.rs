@@ -1,17 +1,17 @@
 //! Loop heads in the style of other languages; each is read as far as possible, so that the fix keeps the user's own
 //! loop.
 
-use super::around::{self, part, quote};
+use super::context::{self, part, quote};
 use super::errors;
 use super::words::{is_name, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
 /// Diagnoses a `for` that could not be read; `closes` is whether a `}` stands where its block would end.
-pub(super) fn slip(span: Span, closes: bool, source: &str) -> Diagnostic {
+pub(super) fn diagnose(span: Span, closes: bool, source: &str) -> Diagnostic {
     after_loop(span, source).or_else(|| foreign_head(span, closes, source)).unwrap_or_else(|| {
         Diagnostic::new(Code::E0122, "a `for` in the style of another language")
-            .label(around::first_word(span, "for".len()), "expected names, `in`, and a list or range")
+            .label(context::first_word(span, "for".len()), "expected names, `in`, and a list or range")
             .help("write `for i in 0..4 { … }` for 0 to 3, or `for p in list { … }`")
     })
 }
@@ -38,30 +38,30 @@ fn after_loop(span: Span, source: &str) -> Option<Diagnostic> {
 /// `for i in 0..4` without its brace.
 fn foreign_head(span: Span, closes: bool, source: &str) -> Option<Diagnostic> {
     let start = span.start as usize;
-    let line = around::after(source, start).lines().next()?.split("//").next()?;
+    let line = context::after(source, start).lines().next()?.split("//").next()?;
     let written = line.split('{').next()?.trim_end();
     let has_brace = line[written.len()..].trim_start().starts_with('{');
-    let head = format!("for {}", ours(written.strip_prefix("for")?)?);
+    let head = format!("for {}", translated_head(written.strip_prefix("for")?)?);
     let place = part(span, start, start + written.len());
     if head == written {
         let finding = Diagnostic::new(Code::E0122, "a `for` without its `{`");
         let finding = finding.label(place, "expected a block after this");
         let finding = finding.help(format!("write `{} {{`, and `}}` where the block ends", quote(&head)));
-        return (!has_brace).then(|| if closes { finding.mended(place.after(), " {") } else { finding });
+        return (!has_brace).then(|| if closes { finding.with_fix(place.after(), " {") } else { finding });
     }
     let finding = Diagnostic::new(Code::E0122, "a `for` in the style of another language")
         .label(place, "a `for` has names, `in`, and a list or a range, which excludes its end")
         .help(format!("write `{} {{`", quote(&head)));
     Some(match (has_brace, closes) {
-        (true, _) => finding.mended_here(head),
-        (false, true) => finding.mended_here(format!("{head} {{")),
+        (true, _) => finding.with_fix_here(head),
+        (false, true) => finding.with_fix_here(format!("{head} {{")),
         // The end of the block is unknown.
         (false, false) => finding,
     })
 }
 
 /// Translates the rest of a foreign `for` head to names, `in`, and a list or range.
-fn ours(written: &str) -> Option<String> {
+fn translated_head(written: &str) -> Option<String> {
     let text = written.trim().trim_end_matches(':').trim_end();
     let text = ["do", "loop"].into_iter().find_map(|end| text.strip_suffix(end)?.strip_suffix(' ')).unwrap_or(text);
     let text = text.trim();
@@ -88,7 +88,7 @@ fn counting(first: &str, condition: &str, step: &str) -> Option<String> {
     let name = name.trim_end_matches(':').trim();
     let limit = condition.strip_prefix(name)?.trim_start();
     let range = match limit.strip_prefix("<=") {
-        Some(last) => format!("{}..{}", first.trim(), behind(last.trim())),
+        Some(last) => format!("{}..{}", first.trim(), exclusive_end(last.trim())),
         None => format!("{}..{}", first.trim(), limit.strip_prefix('<')?.trim()),
     };
     let step: String = step.chars().filter(|c| !c.is_whitespace()).collect();
@@ -112,9 +112,9 @@ fn range_of(written: &str) -> Option<String> {
             _ => return None,
         },
         None => match ["..=", "...", " to ", ":"].into_iter().find_map(|sign| written.split_once(sign)) {
-            Some((first, last)) => format!("{}..{}", first.trim(), behind(last.trim())),
+            Some((first, last)) => format!("{}..{}", first.trim(), exclusive_end(last.trim())),
             None => match written.split_once(',').filter(|_| !written.contains(['(', '['])) {
-                Some((first, last)) => format!("{}..{}", first.trim(), behind(last.trim())),
+                Some((first, last)) => format!("{}..{}", first.trim(), exclusive_end(last.trim())),
                 None => written.to_owned(),
             },
         },
@@ -123,7 +123,7 @@ fn range_of(written: &str) -> Option<String> {
 }
 
 /// The exclusive end of a range whose last element is given.
-fn behind(last: &str) -> String {
+fn exclusive_end(last: &str) -> String {
     last.parse::<u32>()
         .ok()
         .and_then(|last| last.checked_add(1))

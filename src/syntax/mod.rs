@@ -8,26 +8,26 @@
 //! covers it. pest parses the rest with `grammar/*.pest`, whose lists end in catch-all rules. The `Reader` turns pest's
 //! pairs into the tree and reports the faults in the parts that only the catch-all rules accepted.
 
-mod around;
 mod brackets;
+mod context;
 mod cursor;
 mod entries;
 mod errors;
-mod foreign;
+mod foreign_syntax;
+mod foreign_words;
 pub mod functions;
 mod grammar;
-mod habits;
 mod heads;
 mod items;
+mod known_mistakes;
 mod lexical;
 mod loops;
 mod reader;
 mod recover;
 mod repeated;
 mod scan;
-mod slips;
-mod stops;
 pub mod tree;
+mod unexpected_tokens;
 mod values;
 mod words;
 
@@ -54,7 +54,7 @@ const MAX_FINDINGS: usize = 4 * MAX_DIAGNOSTICS;
 /// Parses one file.
 pub fn parse(file: FileId, text: &str, sink: &mut Sink) -> Tree {
     if let Some(at) = text.find('\r').filter(|_| !text.contains('\n')).filter(|at| at + 1 < text.len()) {
-        sink.push(slips::carriage_returns(Span::new(file, 0, at)));
+        sink.push(known_mistakes::carriage_returns(Span::new(file, 0, at)));
         let whole = Span::new(file, 0, text.len());
         return Tree { file, doc: None, items: vec![tree::Item::Error(whole)], broken_names: Vec::new() };
     }
@@ -68,7 +68,7 @@ pub fn parse(file: FileId, text: &str, sink: &mut Sink) -> Tree {
     reader.misplaced_docs(&scanned.docs);
     reader.shorten(&items);
     let broken_names = std::mem::take(&mut reader.broken_names);
-    reader.tell(sink);
+    reader.push_findings(sink);
     Tree { file, doc, items, broken_names }
 }
 
@@ -81,7 +81,7 @@ pub fn parse_value(file: FileId, text: &str, sink: &mut Sink) -> Option<Expr> {
         Some(node) => reader.only_value(node),
         None => reader.no_value(),
     };
-    if reader.tell(sink) { None } else { value }
+    if reader.push_findings(sink) { None } else { value }
 }
 
 #[cfg(test)]

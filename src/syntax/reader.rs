@@ -52,7 +52,7 @@ pub(super) struct Reader<'s> {
     /// Number of operators in the expressions that are open.
     pub operators: usize,
     /// Offset up to which entries are already covered by one finding about a whole step.
-    pub passed: u32,
+    pub covered_until: u32,
 }
 
 impl<'s> Reader<'s> {
@@ -66,7 +66,7 @@ impl<'s> Reader<'s> {
             attached_docs: Vec::new(),
             broken_names: Vec::new(),
             operators: 0,
-            passed: 0,
+            covered_until: 0,
         }
     }
 
@@ -159,12 +159,12 @@ impl<'s> Reader<'s> {
         let is_foreign = is_foreign && items.iter().all(|item| matches!(item, Item::Error(_)));
         let first = self.findings.iter().find(|finding| finding.code == Code::E0101).and_then(Diagnostic::span);
         if let Some(first) = first.filter(|_| is_foreign) {
-            self.findings = vec![super::slips::not_a_program(first)];
+            self.findings = vec![super::known_mistakes::not_a_program(first)];
         }
     }
 
     /// Passes the findings on to the sink; returns whether there is an error among them.
-    pub fn tell(self, sink: &mut Sink) -> bool {
+    pub fn push_findings(self, sink: &mut Sink) -> bool {
         let mut findings = self.findings;
         findings.sort_by_key(|finding| finding.span().map(|span| span.start));
         let has_error = findings.iter().any(Diagnostic::is_error);

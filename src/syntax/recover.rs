@@ -1,16 +1,16 @@
 //! Fragments that no rule could read: their diagnostics, and the parts that can be recovered.
 
-use super::around;
+use super::context;
 use super::errors::{self, ListPlace};
-use super::foreign;
+use super::foreign_syntax;
+use super::foreign_words;
 use super::grammar::{Grammar, Node, Rule};
-use super::habits;
 use super::heads;
+use super::known_mistakes;
 use super::loops;
 use super::reader::Reader;
-use super::slips;
-use super::stops;
 use super::tree::{Doc, Expr, Ident, Item};
+use super::unexpected_tokens;
 use super::words::PREPOSITIONS;
 use super::words::{is_word, takes_block};
 use crate::diagnostic::{Code, Diagnostic, SourceEdit};
@@ -42,7 +42,7 @@ const USES: [&str; 4] = ["use", "import", "include", "from"];
 const MISSPELT: usize = 2;
 
 /// The declaration word that was probably meant.
-fn meant(word: &str) -> Option<(&'static str, Rule)> {
+fn intended_declaration(word: &str) -> Option<(&'static str, Rule)> {
     let word = word.to_lowercase();
     let distance = |item: &(&str, Rule)| strsim::osa_distance(&word, item.0);
     let near = ITEMS.into_iter().min_by_key(distance)?;
@@ -55,11 +55,11 @@ impl Reader<'_> {
     pub fn bad_entry(&mut self, node: &Node, place: ListPlace) {
         let span = self.trimmed(node);
         let text = &self.source[span.range()];
-        let word = around::token_at(text, 0);
+        let word = context::token_at(text, 0);
         if ITEMS.iter().any(|item| item.0 == word) {
             self.keep_name(span);
         }
-        if foreign::help(word).is_some() {
+        if foreign_words::help(word).is_some() {
             return self.foreign_word(word.len(), span);
         }
         if Self::has_hole(node) {
@@ -70,7 +70,7 @@ impl Reader<'_> {
                 // Uses of the loop's counter in its body must not be reported as well.
                 self.keep_name(span);
                 let closes = self.rest_of_loop(span);
-                loops::slip(span, closes, self.source)
+                loops::diagnose(span, closes, self.source)
             }
             "let" => errors::let_in_block(span, text),
             _ if ITEMS.iter().any(|item| item.0 == word) => errors::item_in_block(span, word),
@@ -88,8 +88,8 @@ impl Reader<'_> {
         let line = &self.source[span.start as usize..];
         let line = line.lines().next().unwrap_or_default();
         let end = (span.start as usize + line.len()).max(span.end as usize);
-        self.forget_within(around::part(span, span.start as usize, end));
-        self.passed = end as u32;
+        self.forget_within(context::part(span, span.start as usize, end));
+        self.covered_until = end as u32;
         !self.source[span.range()].contains('{') && !line.contains('{') && self.forget_stray_brace(span.end)
     }
 
@@ -107,12 +107,12 @@ impl Reader<'_> {
     pub fn bad_item(&mut self, node: &Node, doc: Doc) -> Option<Item> {
         let span = self.trimmed(node);
         let text = &self.source[span.range()];
-        let word = around::token_at(text, 0);
+        let word = context::token_at(text, 0);
         let known = ITEMS.iter().find(|item| item.0 == word);
         if known.is_some() || Self::has_hole(node) {
             self.keep_name(span);
         }
-        if foreign::help(word).is_some() {
+        if foreign_words::help(word).is_some() {
             if USES.contains(&word) {
                 self.keep_name(span);
             }
@@ -126,7 +126,7 @@ impl Reader<'_> {
             let line = text.lines().next().unwrap_or_default().trim_end();
             if line.ends_with(':') && takes_block(line) {
                 let at = span.start as usize + line.len();
-                self.report(slips::colon_for_brace(around::part(span, at - 1, at), line));
+                self.report(known_mistakes::colon_for_brace(context::part(span, at - 1, at), line));
                 return None;
             }
             if wants_more(text) {
@@ -134,10 +134,10 @@ impl Reader<'_> {
                 return None;
             }
             let place = self.stop(Rule::one_item, span).map_or(span.start as usize, |(at, _)| at);
-            let token = around::token_at(&self.source[..span.end as usize], place);
-            let rest = around::part(span, place, place + token.len());
+            let token = context::token_at(&self.source[..span.end as usize], place);
+            let rest = context::part(span, place, place + token.len());
             if let Some(slip) =
-                slips::device_without_kind(span, text).or_else(|| heads::wire_without_braces(span, text))
+                known_mistakes::device_without_kind(span, text).or_else(|| heads::wire_without_braces(span, text))
             {
                 self.report(slip);
                 return None;
@@ -146,23 +146,23 @@ impl Reader<'_> {
                 Rule::use_rest => {
                     heads::of_use(span, text).unwrap_or_else(|| errors::bad_short_item(rest, *rule, self.source))
                 }
-                Rule::let_rest => match habits::list(span, place, self.source) {
+                Rule::let_rest => match foreign_syntax::list(span, place, self.source) {
                     Some(habit) => {
                         self.forget_within(span);
                         habit
                     }
-                    None => slips::foreign_comment(span, text)
-                        .or_else(|| slips::sort_of_let(span, text))
+                    None => known_mistakes::foreign_comment(span, text)
+                        .or_else(|| known_mistakes::sort_of_let(span, text))
                         .unwrap_or_else(|| errors::bad_short_item(rest, *rule, self.source)),
                 },
-                _ => habits::name(around::part(span, place, span.end as usize), self.source)
+                _ => foreign_syntax::name(context::part(span, place, span.end as usize), self.source)
                     .unwrap_or_else(|| errors::bad_head(rest, *rule, span, self.source)),
             };
             self.keep_mended_name(&finding);
             self.report(finding);
             return None;
         }
-        match meant(word) {
+        match intended_declaration(word) {
             Some((right, rule)) if text[word.len()..].starts_with([' ', '\t']) => {
                 let finding = errors::misspelt_item(span, text, right);
                 self.report(finding);
@@ -178,9 +178,9 @@ impl Reader<'_> {
     fn unknown_item(&mut self, span: Span) {
         let text = &self.source[span.range()];
         let mut words = text.split([' ', '\t']).filter(|word| !word.is_empty()).skip(1);
-        let slip = slips::comment(span, text).or_else(|| slips::field_outside(span, text));
-        if let Some(slip) = slip.or_else(|| habits::import(span, text)) {
-            if USES.contains(&around::token_at(text, 0)) {
+        let slip = known_mistakes::comment(span, text).or_else(|| known_mistakes::field_outside(span, text));
+        if let Some(slip) = slip.or_else(|| foreign_syntax::import(span, text)) {
+            if USES.contains(&context::token_at(text, 0)) {
                 self.keep_name(span);
             }
             return self.report(slip);
@@ -213,7 +213,7 @@ impl Reader<'_> {
 
     /// Keeps the corrected name of a declaration whose written name is invalid.
     pub fn keep_mended_name(&mut self, finding: &Diagnostic) {
-        if let (Code::E0110, [SourceEdit { span, text }]) = (finding.code, finding.mend.as_slice()) {
+        if let (Code::E0110, [SourceEdit { span, text }]) = (finding.code, finding.fix.as_slice()) {
             self.broken_names.push(Ident { text: text.clone(), span: *span });
         }
     }
@@ -222,21 +222,21 @@ impl Reader<'_> {
     /// last word of a `use`.
     fn keep_name(&mut self, span: Span) {
         let text = &self.source[span.range()];
-        let first = around::token_at(text, 0);
+        let first = context::token_at(text, 0);
         if USES.contains(&first) {
             let line = text.lines().next().unwrap_or_default().trim_end();
             let name = &line[line.trim_end_matches(is_word).len()..];
             let end = span.start as usize + line.len();
-            let place = around::part(span, end - name.len(), end);
+            let place = context::part(span, end - name.len(), end);
             return self.broken_names.push(Ident { text: name.to_owned(), span: place });
         }
         let second =
             first.len() + (text[first.len()..].len() - text[first.len()..].trim_start_matches([' ', '\t']).len());
-        let word = around::token_at(text, second);
+        let word = context::token_at(text, second);
         let (at, name) = if word.starts_with(is_word) { (second, word) } else { (0, first) };
         if name.starts_with(is_word) {
             let start = span.start as usize + at;
-            let place = around::part(span, start, start + name.len());
+            let place = context::part(span, start, start + name.len());
             self.broken_names.push(Ident { text: name.to_owned(), span: place });
         }
     }
@@ -247,7 +247,7 @@ impl Reader<'_> {
         let Some(word) = text.split([' ', '\t']).filter(|word| !word.is_empty()).nth(2) else { return };
         let at = object.start as usize + (word.as_ptr() as usize - text.as_ptr() as usize);
         let name = &word[..super::words::end_of_word(word, 0)];
-        self.broken_names.push(Ident { text: name.to_owned(), span: around::part(object, at, at + name.len()) });
+        self.broken_names.push(Ident { text: name.to_owned(), span: context::part(object, at, at + name.len()) });
     }
 
     /// Reports a construct of another language as one mistake and drops the findings inside it.
@@ -259,7 +259,7 @@ impl Reader<'_> {
             return;
         }
         let start = span.start as usize;
-        let word = around::part(span, start, start + length);
+        let word = context::part(span, start, start + length);
         let finding = errors::foreign_word(word, self.source);
         self.report(finding);
     }
@@ -268,7 +268,7 @@ impl Reader<'_> {
     pub fn forget_within(&mut self, span: Span) {
         let rest = &self.source[span.end as usize..];
         let behind = rest.len() - rest.trim_start_matches([' ', '\t', ';']).len();
-        let span = around::part(span, span.start as usize, span.end as usize + behind);
+        let span = context::part(span, span.start as usize, span.end as usize + behind);
         self.findings.retain(|finding| !finding.span().is_some_and(|place| span.contains(place)));
     }
 
@@ -280,25 +280,26 @@ impl Reader<'_> {
     /// General finding for an unreadable fragment: where parsing stopped and what was expected there.
     fn diagnose(&mut self, span: Span, place: ListPlace) -> Diagnostic {
         let text = &self.source[span.range()];
-        if let Some(slip) = slips::entry(span, place, self.source) {
+        if let Some(slip) = known_mistakes::entry(span, place, self.source) {
             return slip;
         }
         if place == ListPlace::Steps
             && let Some(at) = second_step(text)
         {
-            let mark = around::part(span, span.start as usize + at, span.start as usize + at);
+            let mark = context::part(span, span.start as usize + at, span.start as usize + at);
             return errors::joined(mark, self.source);
         }
         if place == ListPlace::Fields
             && let Some(name) = field_without_colon(text)
         {
-            return slips::blank_in_name(span, text).unwrap_or_else(|| errors::missing_colon(span, name, text));
+            return known_mistakes::blank_in_name(span, text)
+                .unwrap_or_else(|| errors::missing_colon(span, name, text));
         }
         if let Some((at, inner)) = value_without_colon(text) {
             let start = span.start as usize + at;
             return errors::missing_colon(
-                around::part(span, start, start + inner.len()),
-                around::token_at(inner, 0),
+                context::part(span, start, start + inner.len()),
+                context::token_at(inner, 0),
                 inner,
             );
         }
@@ -311,8 +312,8 @@ impl Reader<'_> {
         match self.stop(rule, span) {
             Some((at, wants_value)) if at > span.start as usize => {
                 let open = open_bracket(&self.text[span.start as usize..at]);
-                slips::in_value(span, at, open, self.source)
-                    .unwrap_or_else(|| stops::stopped(span, at, wants_value, open, self.source))
+                known_mistakes::in_value(span, at, open, self.source)
+                    .unwrap_or_else(|| unexpected_tokens::stopped(span, at, wants_value, open, self.source))
             }
             _ => errors::not_an_entry(span, place, self.source),
         }
@@ -339,8 +340,8 @@ impl Reader<'_> {
         let span = self.span(node);
         let text = &self.text[span.range()];
         let start = span.start as usize + (text.len() - text.trim_start().len());
-        let code = around::code_end_before(self.text, span.end as usize);
-        around::part(span, self.source.floor_char_boundary(start), self.source.ceil_char_boundary(code.max(start)))
+        let code = context::code_end_before(self.text, span.end as usize);
+        context::part(span, self.source.floor_char_boundary(start), self.source.ceil_char_boundary(code.max(start)))
     }
 
     /// Result for a text that pest gave up on.
@@ -370,12 +371,12 @@ fn wants_more(text: &str) -> bool {
 /// Where a second step begins on a line: at the word that began the first, or at one that begins a step on every
 /// device.
 fn second_step(text: &str) -> Option<usize> {
-    let head = around::token_at(text, 0);
+    let head = context::token_at(text, 0);
     let line = text.lines().next().unwrap_or("");
     let mut depth = 0_i32;
     let mut at = head.len();
     while at < line.len() {
-        let token = around::token_at(line, at);
+        let token = context::token_at(line, at);
         match token {
             "(" | "[" | "{" => depth += 1,
             ")" | "]" | "}" => depth -= 1,
@@ -391,7 +392,7 @@ fn second_step(text: &str) -> Option<usize> {
 
 /// The name of a field whose colon is missing: a word, spaces, and a value.
 pub(super) fn field_without_colon(text: &str) -> Option<&str> {
-    let name = around::token_at(text, 0);
+    let name = context::token_at(text, 0);
     let rest = &text[name.len()..];
     let value = rest.trim_start_matches([' ', '\t']);
     let is_value = value.starts_with(|c: char| is_word(c) || matches!(c, '(' | '[' | '"' | '-'));

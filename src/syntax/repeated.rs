@@ -24,7 +24,7 @@ pub(super) fn joined(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
                     let places = finding.labels.into_iter().take(1);
                     first.labels.extend(places.map(|label| Label { text: "here too".to_owned(), ..label }));
                 }
-                first.mend.extend(finding.mend);
+                first.fix.extend(finding.fix);
             }
             None => kept.push(finding),
         }
@@ -41,5 +41,5 @@ pub(super) fn joined(findings: Vec<Diagnostic>) -> Vec<Diagnostic> {
 
 /// Whether a finding is about a foreign sign that people repeat and whose fix is known.
 fn is_habit(finding: &Diagnostic) -> bool {
-    matches!(finding.code, Code::E0104 | Code::E0119) && finding.labels.len() == 1 && !finding.mend.is_empty()
+    matches!(finding.code, Code::E0104 | Code::E0119) && finding.labels.len() == 1 && !finding.fix.is_empty()
 }

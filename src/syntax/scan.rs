@@ -7,7 +7,7 @@
 //! at most [`super::MAX_NESTING`] deep.
 
 use super::cursor::Cursor;
-use super::habits;
+use super::foreign_syntax;
 use super::lexical;
 use super::words::{is_word, starts_item};
 use crate::diagnostic::Diagnostic;
@@ -116,7 +116,7 @@ impl Cursor<'_> {
         if is_doc {
             let span = self.span(self.at, end);
             self.docs.push(span);
-        } else if let Some(finding) = habits::whole_division(self.span(self.at, end), self.text) {
+        } else if let Some(finding) = foreign_syntax::whole_division(self.span(self.at, end), self.text) {
             self.report(finding);
         }
         self.at = end;

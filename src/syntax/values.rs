@@ -2,8 +2,8 @@
 
 use super::cursor::HOLE;
 use super::grammar::{Grammar, Node, Rule, STRENGTHS};
+use super::known_mistakes;
 use super::reader::Reader;
-use super::slips;
 use super::tree::{Column, Expr, ExprKind, Field, Ident, IndexedName, Operator, Path, Row, Table, Text, TextPart};
 use super::{MAX_OPERATORS, errors};
 use crate::source::Span;
@@ -75,9 +75,9 @@ impl Reader<'_> {
     fn tuple(&mut self, node: Node) -> Expr {
         let span = self.span(&node);
         let mut values = self.values(node);
-        let commas = slips::decimal_commas(&values, self.source);
+        let commas = known_mistakes::decimal_commas(&values, self.source);
         if !commas.is_empty() {
-            self.report(slips::comma_coordinates(span, &commas, self.source));
+            self.report(known_mistakes::comma_coordinates(span, &commas, self.source));
             return Expr { kind: ExprKind::Error, span };
         }
         match values.len() {

@@ -163,7 +163,7 @@ fn swept(
 
 /// The worst deviation of a record, in degrees and micrometres, each per full turn rolled; less than one turn counts as
 /// one.
-fn off(schedule: &Schedule, plan: &PlanRecord, outlines: &BTreeMap<Plane, Outline>) -> [f64; 2] {
+fn deviation(schedule: &Schedule, plan: &PlanRecord, outlines: &BTreeMap<Plane, Outline>) -> [f64; 2] {
     let stages = Stages::of(schedule);
     type Recorded<'a> = (u64, &'a Vec<u32>, Plane, Vector3<f64>, UnitQuaternion<f64>);
     let reported: Vec<Recorded> = plan
@@ -271,7 +271,7 @@ fn recorded_poses_are_where_the_tips_have_rolled_the_part() {
         assert!(built.codes.iter().all(|code| known.contains(code)), "{:?}\n{text}", built.codes);
         let Some(verified) = built.schedules.first() else { continue };
         let schedule = verified.schedule();
-        let [off_deg, off_um] = off(schedule, &schedule.plans[0], &outlines);
+        let [off_deg, off_um] = deviation(schedule, &schedule.plans[0], &outlines);
         assert!(off_deg <= TURN_DEG && off_um <= PLACE_UM, "case {case}: {off_deg} deg, {off_um} um\n{text}");
         planned += 1;
         crossed += u32::from(outlines.len() > 1 && schedule.steps.len() > 1);

@@ -82,7 +82,7 @@ pub fn check(text: &str, files: &[(String, String)]) -> Result<bool, String> {
     let checked = compile::check_program(&program, &mut sources, &mut sink);
     draw(&sink, &sources);
     let own = |edit: &SourceEdit| sources.file(edit.span.file).name == NAME;
-    let wrong = sink.sorted().into_iter().find(|one| one.mend.iter().any(own) && one.mend_in(text).is_none());
+    let wrong = sink.sorted().into_iter().find(|one| one.fix.iter().any(own) && one.apply_fix(text).is_none());
     if let Some(wrong) = wrong {
         return Err(format!("edits that cannot be made: {wrong:?}"));
     }

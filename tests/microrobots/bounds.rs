@@ -22,7 +22,7 @@ use tweeze::source::Sources;
 type Place = [f64; 3];
 
 /// Moves a pose: clockwise on a circle with the arm down, straight ahead with the arm up.
-fn gone(place: Place, radius_um: f64, way_um: f64, is_down: bool) -> Place {
+fn moved(place: Place, radius_um: f64, way_um: f64, is_down: bool) -> Place {
     let [x, y, heading] = place;
     if !is_down {
         return [x + way_um * heading.cos(), y + way_um * heading.sin(), heading];
@@ -96,7 +96,7 @@ impl Small {
 
     fn stroke(&self, places: &[Place], state: usize) -> Vec<Place> {
         let go =
-            |(robot, place): (usize, &Place)| gone(*place, self.radii_um[robot], self.stroke_um[robot], robot < state);
+            |(robot, place): (usize, &Place)| moved(*place, self.radii_um[robot], self.stroke_um[robot], robot < state);
         places.iter().enumerate().map(go).collect()
     }
 
@@ -352,7 +352,7 @@ fn shortcuts_within_the_precision_stay_above_the_bound() {
         let plan = &schedule.plans[0];
         let trains = trains(schedule, 0);
         let ends = |trains: &[(bool, i64)]| {
-            let go = |place, (is_down, strokes): &(bool, i64)| gone(place, 141.0, 0.01 * *strokes as f64, *is_down);
+            let go = |place, (is_down, strokes): &(bool, i64)| moved(place, 141.0, 0.01 * *strokes as f64, *is_down);
             is_within(trains.iter().fold(start, go), goal, [0.5, 0.008_726])
         };
         assert!(ends(&trains), "{text}");

@@ -22,7 +22,7 @@ type Place = [f64; 3];
 
 /// Moves a pose: clockwise on a circle with the arm down, straight ahead with the arm up; backwards if the distance is
 /// negative.
-fn gone([x, y, heading]: Place, way_um: f64, is_down: bool) -> Place {
+fn moved([x, y, heading]: Place, way_um: f64, is_down: bool) -> Place {
     if !is_down {
         return [x + way_um * heading.cos(), y + way_um * heading.sin(), heading];
     }
@@ -37,7 +37,7 @@ const GOALS: [Place; 2] = [[-130.0, 0.0, 0.0], [130.0, 0.0, 2.0 * FRAC_PI_2]];
 /// Start poses from which the legs (number of lowered arms, distance) lead to the goals.
 fn starts(legs: &[(usize, f64)]) -> [Place; 2] {
     // State 1 lowers the arm of `D1` alone.
-    [0, 1].map(|robot| legs.iter().rev().fold(GOALS[robot], |at, (downs, way_um)| gone(at, -way_um, robot < *downs)))
+    [0, 1].map(|robot| legs.iter().rev().fold(GOALS[robot], |at, (downs, way_um)| moved(at, -way_um, robot < *downs)))
 }
 
 fn text(starts: [Place; 2], objective: &str, fields: &str) -> String {

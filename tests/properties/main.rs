@@ -47,7 +47,7 @@ fn close(a: f64, b: f64) -> bool {
 }
 
 /// A scene, and a graph in which no move is so close to a rim that rounding could decide whether it is free.
-fn told_apart(random: &mut Random, most_modules: u32) -> (Scene, Graph) {
+fn clear_cut_scene(random: &mut Random, most_modules: u32) -> (Scene, Graph) {
     loop {
         let mut scene = Scene::random(random, most_modules);
         if let Some(graph) = Graph::new(&scene) {
@@ -109,7 +109,7 @@ fn costs_agree_with_brute_force_in_a_thousand_scenes() {
     let mut random = Random::new(20160210);
     let mut seen = Seen::default();
     for round in 0..1000 {
-        let (scene, graph) = told_apart(&mut random, if round % 4 == 0 { 5 } else { 4 });
+        let (scene, graph) = clear_cut_scene(&mut random, if round % 4 == 0 { 5 } else { 4 });
         let settings = OBJECTIVES.map(|objective| {
             let planner = PLANNERS[random.below(5) as usize];
             format!("minimize {objective}\n  using {planner}")
@@ -125,7 +125,7 @@ fn the_order_of_a_visit_is_the_best() {
     let mut random = Random::new(2);
     let mut seen = Seen::default();
     for _ in 0..150 {
-        let (mut scene, graph) = told_apart(&mut random, 4);
+        let (mut scene, graph) = clear_cut_scene(&mut random, 4);
         scene.visits = (0..2 + random.below(4)).map(|_| scene.some_cell(&mut random)).collect();
         let settings = OBJECTIVES.map(|objective| format!("minimize {objective}"));
         let text = scene.text(&settings);
@@ -139,7 +139,7 @@ fn modules_switched_together_take_the_fewest_pulses() {
     let mut random = Random::new(3);
     let (mut together, mut alone, mut shut) = (0, 0, 0);
     while together + alone + shut < 300 {
-        let (scene, graph) = told_apart(&mut random, 3);
+        let (scene, graph) = clear_cut_scene(&mut random, 3);
         let Some(pulses) = oracle::pulses(&scene) else { continue };
         if !graph.is_free_cell(scene.start) || scene.stops.iter().any(|stop| !graph.is_free_cell(*stop)) {
             continue;
@@ -165,7 +165,7 @@ fn the_same_program_gives_the_same_bytes() {
     let mut random = Random::new(4);
     let mut compared = 0;
     while compared < 25 {
-        let (scene, _) = told_apart(&mut random, 4);
+        let (scene, _) = clear_cut_scene(&mut random, 4);
         let text = scene.text(&OBJECTIVES.map(|objective| format!("minimize {objective}\n  simultaneous: safe")));
         let (one, other) = (build(&text), build(&text));
         assert_eq!(one.codes, other.codes);

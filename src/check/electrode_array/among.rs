@@ -18,7 +18,7 @@ impl BoardStepJudge<'_> {
         let Some(among) = phrases(call, "among").next() else {
             return at.map_or(Some(Vec::new()), |at| Some(vec![self.place(at, sort)?]));
         };
-        self.sink.unless(at.map(|at| errors::at_and_among(call.verb, at.span, among.span)))?;
+        self.sink.push_if_some(at.map(|at| errors::at_and_among(call.verb, at.span, among.span)))?;
         let Value::List(list) = &among.value else { return None };
         let argument = |value: &Value, span| Argument { value: value.clone(), span, origin: None };
         let places: Vec<Option<OperationPlace>> =

@@ -12,7 +12,7 @@ use crate::device::electrode_array::{
     DEFAULT_MIXER, ElectrodeArrayFacts, Electrodes, Hold, Layout, MAX_SIDE, Separation,
 };
 use crate::diagnostic::Sink;
-use crate::quantity::{digits, no_less};
+use crate::quantity::{digits, round_up};
 
 /// The facts of a complete device; `None` if parts cannot even be placed.
 pub fn facts(device: &CheckedDevice, sink: &mut Sink) -> Option<ElectrodeArrayFacts> {
@@ -115,7 +115,7 @@ fn electrodes_reach(facts: &ElectrodeArrayFacts) -> f64 {
 fn covers_electrodes(facts: &ElectrodeArrayFacts, device: &CheckedDevice, sink: &mut Sink) {
     let (half, reach) = (facts.layout.half_width_pitches, electrodes_reach(facts));
     if half < reach * (1.0 - 1e-9) {
-        let wrong = errors::body_too_small(half, no_less(reach, 4));
+        let wrong = errors::body_too_small(half, round_up(reach, 4));
         sink.push(device.labelled(
             wrong,
             [DeviceLabel::field("part", format!("reaches {} pitches from its centre", digits(half)))],

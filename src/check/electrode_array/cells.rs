@@ -14,5 +14,5 @@ pub fn whole_cell(value: &Value) -> Option<[i64; 2]> {
 /// The cell of a column and a row, if it is on the board.
 pub fn on_board([column, row]: [i64; 2], facts: &ElectrodeArrayFacts) -> Option<ElectrodeCell> {
     let cell = ElectrodeCell::new(u32::try_from(column).ok()?, u32::try_from(row).ok()?);
-    facts.holds(cell).then_some(cell)
+    facts.is_on_board(cell).then_some(cell)
 }

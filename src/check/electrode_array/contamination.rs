@@ -25,7 +25,7 @@ impl BoardStepJudge<'_> {
         let mut is_whole = true;
         for call in conditions {
             let no_droplet = self.facts.layout.electrodes != Electrodes::Single;
-            self.sink.unless(no_droplet.then(|| errors::parts_leave_no_traces(call.span)))?;
+            self.sink.push_if_some(no_droplet.then(|| errors::parts_leave_no_traces(call.span)))?;
             let named = call.phrases.iter().filter(|(preposition, _)| *preposition != "to").map(|(_, fluid)| fluid);
             let fluids = call.object.iter().chain(named);
             let fluids: Vec<Option<String>> = fluids.map(|fluid| self.fluid(fluid)).collect();
@@ -46,7 +46,7 @@ impl BoardStepJudge<'_> {
                 let course = self.wash_course(call, exit);
                 let earlier =
                     contamination.course.as_ref().map(|earlier| errors::washes_by_two(call.span, earlier.span));
-                is_whole &= self.sink.unless(earlier).is_some() && course.is_some();
+                is_whole &= self.sink.push_if_some(earlier).is_some() && course.is_some();
                 contamination.course = course.map(Box::new);
             }
         }
@@ -71,7 +71,7 @@ impl BoardStepJudge<'_> {
         let exit = self.stop(exit);
         let Value::Object(ObjectName { name, .. }) = &from.value else { return None };
         let is_dispensed = self.board_scene.outlets.iter().any(|outlet| outlet.name == *name);
-        self.sink.unless((!is_dispensed).then(|| errors::washes_from_no_reservoir(from.span, name)))?;
+        self.sink.push_if_some((!is_dispensed).then(|| errors::washes_from_no_reservoir(from.span, name)))?;
         let (fluid, outlet, dispense_ns) = self.dispensing(call, from)?;
         Some(WashCourse { fluid, outlet, dispense_ns, exit: exit?, span: call.span })
     }
@@ -80,11 +80,11 @@ impl BoardStepJudge<'_> {
     fn in_one_assay(&mut self, conditions: &[Call], steps: &[VocabularyStep]) -> Option<()> {
         let Some(avoids) = conditions.iter().find(|call| call.object.is_some()) else {
             let idle = conditions.first().map(|call| errors::washes_nothing(call.span));
-            return self.sink.unless(idle);
+            return self.sink.push_if_some(idle);
         };
         let moving = || steps.iter().filter(|step| !matches!(step.action, VocabularyAction::Wait(_)));
         let besides = moving().find(|step| !is_assay(&step.action)).or(moving().nth(1));
-        self.sink.unless(besides.map(|step| errors::avoids_outside_assay(step.span, avoids.span)))
+        self.sink.push_if_some(besides.map(|step| errors::avoids_outside_assay(step.span, avoids.span)))
     }
 
     /// A fluid of the scene by its name; `None` after an error.

@@ -180,7 +180,7 @@ impl BoardStepJudge<'_> {
     fn content(&mut self, asked: &ContentRequirement) -> Option<DropletContent> {
         let ContentRequirement { part, share, relation, limit, span } = asked;
         let no_droplet = self.facts.layout.electrodes != Electrodes::Single;
-        self.sink.unless(no_droplet.then(|| errors::parts_contain_nothing(*span)))?;
+        self.sink.push_if_some(no_droplet.then(|| errors::parts_contain_nothing(*span)))?;
         let object =
             Value::Object(ObjectName { noun: BoardNoun::Part.name(), name: part.value.clone(), word: part.span });
         let part = self.part(&Argument { value: object, span: part.span, origin: None })?;
@@ -211,7 +211,7 @@ impl BoardStepJudge<'_> {
     fn moves(&mut self, calls: &[Call]) -> Option<Vec<ElectrodeArrayMove>> {
         self.nothing_after(calls)?;
         let open = calls.iter().flat_map(|call| phrases(call, "among")).next();
-        self.sink.unless(open.map(|open| errors::among_outside_assay(open.span)))?;
+        self.sink.push_if_some(open.map(|open| errors::among_outside_assay(open.span)))?;
         let moves: Vec<Option<Vec<ElectrodeArrayMove>>> =
             calls.iter().enumerate().map(|(nth, call)| self.moves_of(call, nth)).collect();
         let each = calls.iter().zip(&moves);
@@ -268,7 +268,7 @@ impl BoardStepJudge<'_> {
                         errors::gone_before(operation.span, self.name(part), *gone)
                     }
                 });
-                self.sink.unless(wrong);
+                self.sink.push_if_some(wrong);
             }
             gone.extend(Departure::of(operation));
         }
@@ -301,7 +301,7 @@ impl BoardStepJudge<'_> {
             }
             if let Some(within) = phrases(call, "within").next() {
                 let is_idle = phrases(call, "after").next().is_none();
-                self.sink.unless(is_idle.then(|| errors::within_of_nothing(within.span)));
+                self.sink.push_if_some(is_idle.then(|| errors::within_of_nothing(within.span)));
                 let most_ns = self.stay_ns(within, "`within`").filter(|_| !before.is_empty());
                 operations[place].within =
                     most_ns.map(|most_ns| OperationLag { of: before, most_ns, span: within.span });
@@ -313,11 +313,11 @@ impl BoardStepJudge<'_> {
     /// Reports `after` and `within` outside an assay, where each step follows the one before.
     fn nothing_after(&mut self, calls: &[Call]) -> Option<()> {
         let asked = calls.iter().flat_map(|call| phrases(call, "after").chain(phrases(call, "within"))).next();
-        self.sink.unless(asked.map(|asked| errors::after_outside_assay(asked.span)))
+        self.sink.push_if_some(asked.map(|asked| errors::after_outside_assay(asked.span)))
     }
 
     fn operation(&mut self, call: &Call) -> Option<AssayOperation> {
-        self.sink.unless(call.verb.noun.map(|_| errors::team_in_assay(call.span)))?;
+        self.sink.push_if_some(call.verb.noun.map(|_| errors::team_in_assay(call.span)))?;
         let verb = verb(call)?;
         if !verb.is_operation() {
             return self.passing(call);
@@ -338,7 +338,7 @@ impl BoardStepJudge<'_> {
         let stay_ns = if leaves { Some(0) } else { self.stay_ns(phrases(call, "for").next()?, &what) };
         let places = places?;
         let no_droplet = mixes && self.facts.layout.electrodes != Electrodes::Single;
-        self.sink.unless(no_droplet.then(|| errors::parts_do_not_mix(call.span)))?;
+        self.sink.push_if_some(no_droplet.then(|| errors::parts_do_not_mix(call.span)))?;
         let passing = AssayOperation::passing(part?, Vec::new(), call.span);
         Some(AssayOperation { stay_ns: stay_ns?, mixes, leaves, ..Self::at_one_of(passing, places) })
     }
@@ -374,7 +374,7 @@ impl BoardStepJudge<'_> {
         } else {
             None
         };
-        self.sink.unless(wrong)?;
+        self.sink.push_if_some(wrong)?;
         let place = place?;
         let centre = place.cell;
         let (to, to_span) = match phrases(call, "to").next() {
@@ -401,7 +401,7 @@ impl BoardStepJudge<'_> {
             (_, Err(pair)) => Some(errors::half_has_no_room(split, self.name(from), pair, across())),
             (Ok(_), Ok(_)) => None,
         };
-        self.sink.unless(wrong)?;
+        self.sink.push_if_some(wrong)?;
         let stop = ElectrodeArrayStop { cell: goes.ok()?, span: at.span, origin: at.origin.clone() };
         let splits = Some(SplitDroplet { part, cell: to });
         Some(AssayOperation { splits, ..AssayOperation::passing(from, vec![place, stop], call.span) })
@@ -429,7 +429,7 @@ impl BoardStepJudge<'_> {
         } else {
             None
         };
-        self.sink.unless(wrong)?;
+        self.sink.push_if_some(wrong)?;
         let Outlet { name, cell, .. } = self.board_scene.outlets.get(outlet?)?;
         Some((name.clone(), *cell, self.facts.dispense_ns_at(*cell)?))
     }
@@ -446,7 +446,7 @@ impl BoardStepJudge<'_> {
             for part in operation.all_parts() {
                 let earlier = busy.insert(part, operation.span);
                 let wrong = earlier.map(|earlier| errors::two_goals(self.name(part), operation.span, earlier));
-                self.sink.unless(wrong);
+                self.sink.push_if_some(wrong);
             }
         }
     }
@@ -510,7 +510,7 @@ impl BoardStepJudge<'_> {
         } else {
             None
         };
-        self.sink.unless(wrong)
+        self.sink.push_if_some(wrong)
     }
 
     pub(super) fn name(&self, part: usize) -> &str {
@@ -551,7 +551,7 @@ impl BoardStepJudge<'_> {
             for part in found.parts() {
                 let earlier = busy.insert(part, call.span);
                 let wrong = earlier.map(|earlier| errors::two_goals(self.name(part), call.span, earlier));
-                self.sink.unless(wrong);
+                self.sink.push_if_some(wrong);
             }
         }
     }

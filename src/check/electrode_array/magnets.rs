@@ -82,7 +82,7 @@ pub fn halves_stay(jobs: &[Job], sink: &mut Sink) {
             let part = (job.device.as_str(), order.parts[operation.part].name.as_str());
             let before = held.remove(&part);
             if let (Some(magnet), Some(half), Some(end)) = (before, operation.splits, operation.stops.last()) {
-                let stays = [end.cell, half.cell].map(|cell| magnet.holds(cell));
+                let stays = [end.cell, half.cell].map(|cell| magnet.contains(cell));
                 if stays != [true, false] {
                     let other = order.parts[half.part].name.as_str();
                     let cells = [end.cell, half.cell];

@@ -47,7 +47,9 @@ pub fn default_expansions(facts: &ElectrodeArrayFacts, parts: usize) -> u64 {
 impl CheckedFacts for Rc<ElectrodeArrayFacts> {
     fn channel_examples(&self) -> Vec<String> {
         let last = ElectrodeCell::new(self.columns, self.rows);
-        [ElectrodeCell::new(1, 1), last].map(|cell| ElectrodeArrayFacts::channel(self.first_on_with(cell))).to_vec()
+        [ElectrodeCell::new(1, 1), last]
+            .map(|cell| ElectrodeArrayFacts::channel(self.first_on_channel_of(cell)))
+            .to_vec()
     }
 
     fn all_channels(&self) -> Vec<String> {
@@ -69,7 +71,7 @@ impl CheckedFacts for Rc<ElectrodeArrayFacts> {
     }
 
     fn shared_channel(&self, name: &str) -> Option<String> {
-        let first = self.first_on_with(self.named_electrode(name)?);
+        let first = self.first_on_channel_of(self.named_electrode(name)?);
         Some(ElectrodeArrayFacts::channel(first)).filter(|channel| channel != name)
     }
 

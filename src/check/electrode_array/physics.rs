@@ -9,7 +9,7 @@ use crate::check::labels::DeviceLabel;
 use crate::device::VocabularyField;
 use crate::device::electrode_array::{ElectrodeArrayFacts, Electrodes, VOCABULARY};
 use crate::diagnostic::Sink;
-use crate::quantity::{Dimension, Quantity, no_less, no_more, significant};
+use crate::quantity::{Dimension, Quantity, round_down, round_up, significant};
 use crate::real::Real;
 
 /// Relative rounding error allowed in comparisons with a limit.
@@ -78,9 +78,9 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
     // The needed potential is at least the one that overcomes friction.
     let least_v = match forces.map(|forces| (forces, forces.net_n(needed_v))) {
         Some((forces, net_n)) if net_n <= 0.0 => {
-            forces.balance_v().map(|balance_v| balance_v * 1.001).map(|least_v| no_less(least_v, 4))
+            forces.balance_v().map(|balance_v| balance_v * 1.001).map(|least_v| round_up(least_v, 4))
         }
-        _ => Some(no_less(needed_v, 4)),
+        _ => Some(round_up(needed_v, 4)),
     };
     let balance = forces.map(|forces| errors::Balance {
         lateral: force(forces.lateral_n(potential_v)),
@@ -96,7 +96,7 @@ fn potential(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &Chec
     let radius = length(facts.radius_um / 1e6);
     let (asked, least) = (voltage(potential_v), least_v.map(voltage));
     let most_friction =
-        forces.map(|forces| no_more(forces.balance_friction(potential_v) * 0.999, 4)).filter(|_| least_v.is_none());
+        forces.map(|forces| round_down(forces.balance_friction(potential_v) * 0.999, 4)).filter(|_| least_v.is_none());
     let wrong = errors::potential_too_low(&asked, &radius, least.as_deref(), balance.as_ref(), most_friction);
     let mut labels = vec![DeviceLabel::field("potential", "too low")];
     if measured_v.is_some() {
@@ -125,7 +125,7 @@ fn step(facts: &ElectrodeArrayFacts, forces: Option<&Forces>, device: &CheckedDe
     match settling_s {
         Some(settling_s) if step.si >= settling_s * (1.0 - SLACK) => {}
         Some(settling_s) => {
-            let (step, least) = (step.to_string(), time(no_less(settling_s, 4)));
+            let (step, least) = (step.to_string(), time(round_up(settling_s, 4)));
             let settling = Some(time(settling_s)).filter(|settling| *settling != step);
             let wrong = errors::step_too_short(&step, settling.as_ref().unwrap_or(&least), &least);
             let why = if by == "settling" { "known to take this long" } else { "a part of these electrodes" };

@@ -72,7 +72,7 @@ impl PadReader<'_> {
             self.sink.push(self.device.labelled(errors::outlet_without_number(&at.value), [label]));
             return None;
         };
-        if self.facts.on_with(outlet).len() > 1 {
+        if self.facts.on_channel_of(outlet).len() > 1 {
             let label = DeviceLabel::cell(at.span, "on a shared channel");
             self.sink.push(self.device.labelled(errors::outlet_shares_channel(outlet, own), [label]));
             return None;

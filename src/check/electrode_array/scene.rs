@@ -212,7 +212,7 @@ impl BoardSceneReader<'_> {
             self.sink.push(errors::given_at(wrong, &at));
             return None;
         }
-        if let [one, other, ..] = self.facts.on_with(cell)[..] {
+        if let [one, other, ..] = self.facts.on_channel_of(cell)[..] {
             let sibling = if one == cell { other } else { one };
             let wrong = errors::outlet_on_shared_channel(&self.object.name, cell, sibling, span);
             self.sink.push(errors::given_at(wrong, &at));
@@ -314,7 +314,7 @@ impl BoardSceneReader<'_> {
             }
         };
         let zone = BoardZone { name, sort, from, to, span };
-        self.sink.unless(misplaced(&zone, before, self.facts))?;
+        self.sink.push_if_some(misplaced(&zone, before, self.facts))?;
         Some(zone)
     }
 

@@ -40,11 +40,11 @@ impl BoardStepJudge<'_> {
         }
         let stop = self.stop(target)?;
         let of_sort = || self.board_scene.zones.iter().enumerate().filter(|(_, zone)| zone.sort == sort);
-        if let Some((found, _)) = of_sort().find(|(_, zone)| zone.holds(stop.cell)) {
+        if let Some((found, _)) = of_sort().find(|(_, zone)| zone.contains(stop.cell)) {
             return Some((found, stop));
         }
         let cover = &self.board_scene.cover;
-        let is_one = |cell| of_sort().any(|(_, zone)| zone.holds(cell)) && cover.covering(cell).is_none();
+        let is_one = |cell| of_sort().any(|(_, zone)| zone.contains(cell)) && cover.covering(cell).is_none();
         // The intended zone may be one that is faulty itself.
         if !self.board_scene.sites.has_faulty() {
             let near = nearest_cell(stop.cell, self.facts, is_one);

@@ -21,7 +21,7 @@ impl BoardStepJudge<'_> {
             let families: BTreeSet<&str> = self.board_scene.parts.iter().filter_map(|part| part.family()).collect();
             let wrong = errors::no_team(object.span, name, &families, self.scene);
             // A scene that was cut for its size has already reported this.
-            self.sink.unless(self.board_scene.is_whole.then_some(wrong))?;
+            self.sink.push_if_some(self.board_scene.is_whole.then_some(wrong))?;
             return None;
         }
         let to = phrases(call, "to").next()?;

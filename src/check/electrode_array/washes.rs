@@ -72,7 +72,7 @@ fn insert_in_order(
         *operations = with_washes(std::mem::take(operations), &washes, course, order.parts.len() + first);
         let stays: u64 = operations.iter().map(|operation| operation.stay_steps(facts)).sum();
         let most = facts.most_stay_steps(parts + washes.len());
-        sink.unless((stays > most).then(|| errors::stays_too_long(course.span, [stays, most], facts.step_ns)))?;
+        sink.push_if_some((stays > most).then(|| errors::stays_too_long(course.span, [stays, most], facts.step_ns)))?;
     }
     Some(())
 }

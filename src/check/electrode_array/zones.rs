@@ -17,7 +17,7 @@ pub fn misplaced(zone: &BoardZone, before: &[BoardZone], facts: &ElectrodeArrayF
     };
     let alike = before.iter().filter(|other| other.sort == zone.sort);
     if let Some((other, shared)) =
-        alike.map(|other| (other, low(other))).find(|(other, low)| zone.holds(*low) && other.holds(*low))
+        alike.map(|other| (other, low(other))).find(|(other, low)| zone.contains(*low) && other.contains(*low))
     {
         return Some(errors::zones_overlap(zone, other, shared));
     }

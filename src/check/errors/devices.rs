@@ -163,7 +163,7 @@ pub fn wire_turned_round(channel: &Path, output: &Path) -> Diagnostic {
         .help(format!("put the channel of the device first: write `{} -> {}`", channel.0, instrument.0));
     // No edit where there is an index, which is not part of the names.
     match [&instrument, &channel].iter().all(|(name, span)| name.len() == span.range().len()) {
-        true => finding.mended(instrument.1, channel.0).mended(channel.1, instrument.0),
+        true => finding.with_fix(instrument.1, channel.0).with_fix(channel.1, instrument.0),
         false => finding,
     }
 }
@@ -305,7 +305,7 @@ pub fn all_of_numbered(span: Span, channel: &str, number: u32, instrument: &str)
         format!("`all` leads to the outputs of `{instrument}` in order, regardless of channel numbers"),
     )
     .label(span, format!("here `{channel}` has number {number}"))
-    .mended_here("electrodes")
+    .with_fix_here("electrodes")
     .help(format!("write `electrodes -> {instrument}`: each electrode goes to the output of its number"))
 }
 

@@ -148,7 +148,7 @@ pub fn file_used_as(path: &Path, alias: &str, used: Span) -> Diagnostic {
         .label(file.span, "not the name of a `use`")
         .label(used, format!("imported as `{alias}`"))
         .help(format!("write `{alias}.{}`", words.join(".")))
-        .mended_here(alias)
+        .with_fix_here(alias)
 }
 
 /// A name before a dot that no `use` gives, in a path to something of a sort.
@@ -209,7 +209,7 @@ pub fn library_in_quotes(span: Span, name: &str) -> Diagnostic {
     Diagnostic::new(Code::E0204, "a file of the standard library is named in quotes")
         .label(span, "quotes are for the path of a file of your own")
         .help(format!("write `use std.{name}`"))
-        .mended_here(format!("std.{name}"))
+        .with_fix_here(format!("std.{name}"))
 }
 
 pub fn unknown_library(span: Span, name: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {
@@ -217,11 +217,11 @@ pub fn unknown_library(span: Span, name: &str, near: Option<&str>, known: &[&str
         Diagnostic::new(Code::E0204, format!("the standard library has no `{name}`")).label(span, "used here");
     if let Some(file) = name.strip_suffix(".twz") {
         if known.contains(&file) {
-            return finding.help(format!("write `use {file}`: its files have no extension")).mended_here(file);
+            return finding.help(format!("write `use {file}`: its files have no extension")).with_fix_here(file);
         }
         return finding
             .help(format!("write `use \"{name}\"` for a file of your own"))
-            .mended_here(format!("\"{name}\""));
+            .with_fix_here(format!("\"{name}\""));
     }
     finding.near_or(near, format!("the standard library has {}", listed(known.iter().copied())))
 }
@@ -343,7 +343,7 @@ pub fn setting_without_colon(name: &Ident) -> Diagnostic {
     Diagnostic::new(Code::E0119, format!("`:` is missing after `{}`", name.text))
         .label(name.span, "a setting takes `:` before its value")
         .help(format!("write `{}: …`", name.text))
-        .mended(name.span.after(), ":")
+        .with_fix(name.span.after(), ":")
 }
 
 /// `start (1, 1)`.
@@ -351,7 +351,7 @@ pub fn start_without_at(span: Span) -> Diagnostic {
     Diagnostic::new(Code::E0509, "`start` lacks `at`")
         .label(span, "`at` belongs after this")
         .help("write `start at (3, 3)`")
-        .mended(span.after(), " at")
+        .with_fix(span.after(), " at")
 }
 
 /// A setting of a task that was written as a field.
@@ -412,9 +412,9 @@ pub fn extents(width: &Field, height: &Field, owner: &str) -> Diagnostic {
         .label(width.name.span, "unknown field")
         .label(height.name.span, "unknown field")
         .help("write both as `size: (width, height)`")
-        .mended(before_width, "size: (")
-        .mended(before_height, ", ")
-        .mended(height.value.span.after(), ")")
+        .with_fix(before_width, "size: (")
+        .with_fix(before_height, ", ")
+        .with_fix(height.value.span.after(), ")")
 }
 
 pub fn unknown_noun(span: Span, noun: &str, near: Option<&str>, known: &[&str]) -> Diagnostic {

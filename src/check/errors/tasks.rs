@@ -186,7 +186,7 @@ pub fn level_of_trigger(step: &Step, name: &str, declared: Span) -> Diagnostic {
         .label(step.head.span, "`set` is for outputs of the sorts `digital` and `level`")
         .label(declared, "an output of the sort `trigger`")
         .help(format!("write `pulse {name}`, or declare it `: digital`"))
-        .mended(step.span, format!("pulse {name}"))
+        .with_fix(step.span, format!("pulse {name}"))
 }
 
 /// A step that waits for an input or a person, in a wrong form.
@@ -254,7 +254,7 @@ pub fn word_for_share(span: Span, name: &str, word: Level) -> Diagnostic {
     Diagnostic::new(Code::E0311, format!("{name} must be a share of its range, but this is `{}`", word.name()))
         .label(span, "a level of an output of the sort `digital`")
         .help(format!("write `{share}`"))
-        .mended(span, share)
+        .with_fix(span, share)
 }
 
 pub fn outputs_of_one_name(name: &str, declared: Span, earlier: Span) -> Diagnostic {
@@ -498,7 +498,7 @@ pub fn run_without_its_word(head: &Ident) -> Diagnostic {
     Diagnostic::new(Code::E0518, format!("`{name}` needs `run` before it"))
         .label(head.span, "a task, not a step")
         .help(format!("write `run {name}`"))
-        .mended_here(format!("run {name}"))
+        .with_fix_here(format!("run {name}"))
 }
 
 /// `wait for 5 ms`.
@@ -507,7 +507,7 @@ pub fn wait_for(preposition: Span, value: Span) -> Diagnostic {
     Diagnostic::new(Code::E0509, "`wait` takes only a time")
         .label(preposition, "no `for` here")
         .help("write the time directly after `wait`, as in `wait 10 ms`")
-        .mended(blank, "")
+        .with_fix(blank, "")
 }
 
 pub fn unknown_program_step(head: &Ident, near: Option<&str>) -> Diagnostic {

@@ -134,16 +134,16 @@ pub fn unit_mended(
     let ExprKind::Quantity { unit: written, .. } = &inner.kind else {
         let is_open = dimension == Dimension::TIME || dimension == Dimension::ANGLE;
         let finding = shown(finding, &example);
-        return if is_open { finding } else { finding.mended(inner.span.after(), format!(" {unit}")) };
+        return if is_open { finding } else { finding.with_fix(inner.span.after(), format!(" {unit}")) };
     };
-    if let Some(meant) = quantity::slip::meant(&written.text, dimension) {
-        return shown(finding, &format!("{sign}{number} {meant}")).mended(written.span, meant);
+    if let Some(meant) = quantity::unit_suggestion::suggest(&written.text, dimension) {
+        return shown(finding, &format!("{sign}{number} {meant}")).with_fix(written.span, meant);
     }
     if let Some(converted) = converted(dimension, &written.text, found) {
-        return shown(finding, &converted).mended(expr.span, converted);
+        return shown(finding, &converted).with_fix(expr.span, converted);
     }
     match kept_unit(dimension, found) {
-        Some(numerator) if written.text == numerator => shown(finding, &example).mended(written.span, unit),
+        Some(numerator) if written.text == numerator => shown(finding, &example).with_fix(written.span, unit),
         Some(_) => finding,
         // Any other unit would give the number another meaning: it is shown, but no edit writes it.
         None => shown(finding, &example),
@@ -204,7 +204,7 @@ pub fn no_truth_value(wanted: &WantedName, span: Span, found: &str) -> Diagnosti
     let title = format!("{} must be true or false, but this is `{found}`", wanted.name);
     let likely = if matches!(found, "no" | "off" | "never" | "False" | "FALSE") { "false" } else { "true" };
     let diagnostic = Diagnostic::new(Code::E0311, title).label(span, "no value of this name");
-    wanted.declared_on(diagnostic).help(format!("write `{likely}`")).mended(span, likely)
+    wanted.declared_on(diagnostic).help(format!("write `{likely}`")).with_fix(span, likely)
 }
 
 pub fn out_of_range(wanted: &WantedName, span: Span, found: &str, limit: &str) -> Diagnostic {
@@ -493,9 +493,9 @@ pub fn mixed_point(first: Spanned<&Value>, odd: Spanned<&Value>, whole: Span, co
     match coordinates {
         [x, y, heading] if x.dimension == y.dimension && heading.dimension == Dimension::ANGLE => finding
             .help(format!("a place with a heading is a pose: write `pose({x}, {y}, {heading})`"))
-            .mended(Span { end: whole.start, ..whole }, "pose"),
+            .with_fix(Span { end: whole.start, ..whole }, "pose"),
         _ => match zero_without_unit(coordinates) {
-            Some(point) => finding.help(format!("give 0 its unit: write `{point}`")).mended(whole, point),
+            Some(point) => finding.help(format!("give 0 its unit: write `{point}`")).with_fix(whole, point),
             None => finding.help("`(5, 3)` is a cell and `(5 um, 3 um)` is a place; a point cannot be both"),
         },
     }

@@ -5,7 +5,7 @@ pub use crate::check::errors::*;
 use crate::check::value::Value;
 use crate::device::fingers::{FingersFacts, MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::quantity::{Quantity, digits, no_less, no_more, significant};
+use crate::quantity::{Quantity, digits, round_down, round_up, significant};
 use crate::real::Real;
 use crate::source::Span;
 use std::f64::consts::TAU;
@@ -126,7 +126,10 @@ pub fn tip_too_large(span: Span, at: &Tipped, radius_um: f64, device: Span) -> D
     Diagnostic::new(Code::E0540, title)
         .label(span, format!("near {} in the plane {}", at.place(), at.plane.name()))
         .label(device, "the tips of this device")
-        .help(format!("use tips with a radius of less than {}, which reach everywhere", length(no_more(radius_um, 2))))
+        .help(format!(
+            "use tips with a radius of less than {}, which reach everywhere",
+            length(round_down(radius_um, 2))
+        ))
 }
 
 /// A place on a part, for a message.
@@ -237,7 +240,7 @@ pub fn part_out_of_range(span: Span, name: &str, stage: &ShortStage) -> Diagnost
     let enough: Vec<String> = needed_um
         .iter()
         .zip(range_um)
-        .map(|(needed, range)| if *needed > range { length(no_less(*needed, 2)) } else { length(range) })
+        .map(|(needed, range)| if *needed > range { length(round_up(*needed, 2)) } else { length(range) })
         .collect();
     Diagnostic::new(Code::E0550, title)
         .label(span, "out of range")
@@ -299,7 +302,7 @@ pub fn no_whole_steps(
             ),
             None => format!(
                 "write {these}, or `precision: {} deg` among the settings to accept that error",
-                digits(no_less(off_deg, 2))
+                digits(round_up(off_deg, 2))
             ),
         })
 }
@@ -339,7 +342,7 @@ pub struct OrientationMend {
 
 /// The precision that accepts a miss, rounded up as messages show it in degrees.
 pub fn precision_for(off_rad: f64) -> f64 {
-    no_less(off_rad.to_degrees(), 2).to_radians()
+    round_up(off_rad.to_degrees(), 2).to_radians()
 }
 
 /// An orientation that whole steps do not reach.
@@ -362,7 +365,7 @@ pub fn orientation_missed(
         angle(off_rad),
         angle(precision_rad)
     );
-    let precision = digits(no_less(mend.needed_rad.max(off_rad).to_degrees(), 2));
+    let precision = digits(round_up(mend.needed_rad.max(off_rad).to_degrees(), 2));
     let whole =
         if mend.needed_rad > precision_for(off_rad) { "that error and those of the others" } else { "that error" };
     Diagnostic::new(Code::E0545, title).label(span, "not reached").help(match mend.step_deg {

@@ -192,7 +192,7 @@ impl PartReader<'_> {
 /// The most concave point of an outline.
 fn hollow(curve: &Curve) -> [f64; 2] {
     let ways = (0..LOOKS).map(|look| curve.perimeter_um() * look as f64 / LOOKS as f64);
-    let spots = ways.map(|way| curve.spot(way));
+    let spots = ways.map(|way| curve.point_at(way));
     spots
         .min_by(|one, other| one.curvature_per_um.total_cmp(&other.curvature_per_um))
         .map_or([0.0; 2], |spot| spot.point_um)
@@ -206,7 +206,7 @@ pub fn tip_um_at(section: &Section, curve: &Curve, contact: u32, tip_radius_um: 
 
 /// As `tip_um_at`, for a tip that has rolled on from contact 1 by a given angle of the part's turn.
 fn tip_um_rolled(curve: &Curve, rolled_rad: f64, tip_radius_um: f64) -> ([f64; 2], f64) {
-    let spot = curve.spot(curve.way_rolled_um(rolled_rad, tip_radius_um));
+    let spot = curve.point_at(curve.way_rolled_um(rolled_rad, tip_radius_um));
     let (sine, cosine) = spot.normal_rad.sine_cosine();
     let [x, y] = spot.point_um;
     ([x + tip_radius_um * cosine, y + tip_radius_um * sine], spot.normal_rad)

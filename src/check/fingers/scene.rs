@@ -37,7 +37,7 @@ impl Checker<'_> {
         self.scene_met(site, |checker, scene| {
             let Some(scene) = scene else { return HandScene::default() };
             // Each scene is judged, and charged, again for each hand.
-            let is_solid = |one: &&Rc<SceneObject>| one.shape.as_ref().is_some_and(|s| s.value.form.is_of_space());
+            let is_solid = |one: &&Rc<SceneObject>| one.shape.as_ref().is_some_and(|s| s.value.form.is_spatial());
             let solids: Vec<Span> = scene.objects.iter().filter(is_solid).map(|object| object.span).collect();
             match solids.first() {
                 Some(span) if !checker.charge_iterations(solids.len() * PART_TURNS, *span) => broken(scene),

@@ -7,7 +7,7 @@ pub use crate::check::errors::*;
 use crate::check::value::Value;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Pose;
-use crate::quantity::{Dimension, Quantity, digits, no_less, no_more, significant};
+use crate::quantity::{Dimension, Quantity, digits, round_down, round_up, significant};
 use crate::source::Span;
 
 /// A voltage for a message.
@@ -22,12 +22,12 @@ pub fn length(um: f64) -> String {
 
 /// A length of three digits rounded down, for values that fall short.
 fn at_most(um: f64) -> String {
-    length(no_more(um, 3))
+    length(round_down(um, 3))
 }
 
 /// A length of three digits rounded up, for excessive values and for fixes.
 fn at_least(um: f64) -> String {
-    length(no_less(um, 3))
+    length(round_up(um, 3))
 }
 
 /// An angle for a message.

@@ -36,7 +36,7 @@ impl Checker<'_> {
         let steps: Vec<Option<MicrorobotsStep>> = parts.steps.iter().map(|step| judge.step(step)).collect();
         let steps: Option<Vec<MicrorobotsStep>> = steps.into_iter().collect();
         let steps = steps?;
-        self.sink.unless(guaranteed_in_vain(&parts.settings, bed, &steps))?;
+        self.sink.push_if_some(guaranteed_in_vain(&parts.settings, bed, &steps))?;
         let objective = self.bed_objective(&parts, bed, &steps)?;
         let order = MicrorobotsOrder {
             facts: Arc::clone(&bed.facts),
@@ -212,7 +212,7 @@ impl BedStepJudge<'_> {
             docks.push(robot.zip(goal).filter(|_| is_first).map(|(robot, goal)| Dock { robot, goal }));
         }
         let is_small = (call.entries.len() < 2).then(|| errors::assembly_too_small(call.span, call.entries.len()));
-        self.sink.unless(is_small)?;
+        self.sink.push_if_some(is_small)?;
         docks.into_iter().collect::<Option<Vec<Dock>>>().map(MicrorobotsAction::Assemble)
     }
 

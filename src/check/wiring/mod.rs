@@ -405,7 +405,7 @@ impl<'a> Checker<'a> {
             None
         };
         let name = name.to_owned();
-        self.sink.unless(wrong)?;
+        self.sink.push_if_some(wrong)?;
         let owner = Owner { name: format!("the wire to `{name}`"), declared: None };
         let given = given_in(&wire.fields, scope);
         self.read_fields(&owner, &given, &[]);
@@ -506,8 +506,9 @@ impl<'a> Checker<'a> {
         self.read_fields(&owner, &given, &[]);
         let facts = self.facts::<AuxiliarySort>(draft.place)?;
         let declared = self.named(draft.place).1;
-        self.sink
-            .unless(facts.is_graded.then(|| errors::share_of_accessory(wire.span, &draft.name, declared, name)))?;
+        self.sink.push_if_some(
+            facts.is_graded.then(|| errors::share_of_accessory(wire.span, &draft.name, declared, name)),
+        )?;
         Some(Link::Switch { on_v: facts.high_v })
     }
 

@@ -3,7 +3,7 @@
 mod commit;
 mod manifest;
 
-use super::glances::Glances;
+use super::file_snapshots::FileSnapshots;
 use super::{errors, signals};
 use crate::diagnostic::Diagnosed;
 use crate::emit::OutputFile;
@@ -144,7 +144,7 @@ pub struct Destination<'a> {
     /// Whether files of other programs are replaced.
     pub force: bool,
     /// Input files, which are never replaced.
-    pub inputs: &'a Glances,
+    pub inputs: &'a FileSnapshots,
 }
 
 impl Destination<'_> {
@@ -172,7 +172,7 @@ pub fn write_all(to: &Destination, files: &[OutputFile]) -> Diagnosed {
         let path = path.to_owned();
         move |error: io::Error| Box::new(errors::unwritable(&path, &error))
     };
-    if let Some(name) = commit::twice(files.iter().map(|file| file.name.as_str())) {
+    if let Some(name) = commit::first_name_collision(files.iter().map(|file| file.name.as_str())) {
         return Err(Box::new(errors::written_twice(name)));
     }
     if let Some(input) = to.replaced_input(files) {

@@ -4,7 +4,7 @@
 //! stored or how its path was typed; messages show the path that was typed.
 
 use super::disk;
-use super::glances::Glances;
+use super::file_snapshots::FileSnapshots;
 use crate::check::imports::{FileFault, Library};
 use crate::diagnostic::Code;
 use crate::geometry::mesh::Mesh;
@@ -16,24 +16,24 @@ use std::path::{Path, PathBuf};
 pub struct Disk<'a> {
     program: &'a Path,
     /// Snapshots of all requested files, existing or not, taken before they were read.
-    asked: RefCell<Glances>,
+    asked: RefCell<FileSnapshots>,
 }
 
 impl<'a> Disk<'a> {
     /// Library for the program at a path, as it was typed.
-    pub fn round(program: &'a Path) -> Self {
+    pub fn around(program: &'a Path) -> Self {
         Disk { program, asked: RefCell::default() }
     }
 
     /// Snapshots of all files requested so far, existing or not, taken before they were read.
-    pub fn asked(&self) -> Glances {
+    pub fn asked(&self) -> FileSnapshots {
         self.asked.borrow().clone()
     }
 
     /// Path of a requested file; records its snapshot.
     fn ask(&self, name: &str) -> PathBuf {
         let path = self.path(name);
-        self.asked.borrow_mut().look_at(&path);
+        self.asked.borrow_mut().record(&path);
         path
     }
 

@@ -23,7 +23,7 @@ fn a_binary_file_is_read_as_text_that_a_log_gives_back() {
     let folder = tempfile::tempdir().expect("a folder can be made");
     let program = folder.path().join("main.twz");
     std::fs::write(folder.path().join("bead.stl"), binary()).expect("it can be written");
-    let (name, text) = Disk::round(&program).read_mesh("main.twz", "bead.stl").expect("it can be read");
+    let (name, text) = Disk::around(&program).read_mesh("main.twz", "bead.stl").expect("it can be read");
     assert_eq!(name, "bead.stl");
     assert!(text.starts_with("solid"));
     let mesh = Mesh::read(&binary()).expect("it is a mesh");
@@ -36,7 +36,7 @@ fn a_binary_file_is_read_as_text_that_a_log_gives_back() {
 fn what_is_no_mesh_says_so() {
     let folder = tempfile::tempdir().expect("a folder can be made");
     let program = folder.path().join("main.twz");
-    let disk = Disk::round(&program);
+    let disk = Disk::around(&program);
     std::fs::write(folder.path().join("bead.stl"), [0xff; 200]).expect("it can be written");
     let why = disk.read_mesh("main.twz", "bead.stl").expect_err("it is none");
     assert!(matches!(&why, FileFault::NoSurface(why) if why.contains("STL")), "{why:?}");

@@ -69,7 +69,8 @@ fn stays(run: &ReportedRun, part: &str, zone: &BoardZone) -> Vec<[u64; 2]> {
     let mut stays: Vec<[u64; 2]> = Vec::new();
     for (timed, end_ns) in run.plan.states.iter().zip(ends) {
         let State::ElectrodeArray(state) = &timed.state else { continue };
-        let is_there = state.parts.get(part).is_some_and(|[column, row]| zone.holds(ElectrodeCell::new(*column, *row)));
+        let is_there =
+            state.parts.get(part).is_some_and(|[column, row]| zone.contains(ElectrodeCell::new(*column, *row)));
         match stays.last_mut() {
             _ if !is_there => {}
             Some(last) if last[1] == timed.t_ns => last[1] = end_ns,

@@ -72,12 +72,12 @@ impl<'a> LiveReport<'a> {
     pub fn wrote(mut self, schedules: &[Verified], written: &[WrittenSchedule]) -> Exit {
         self.width = self.width.max(width(written.iter().flat_map(WrittenSchedule::names)));
         for (verified, written) in schedules.iter().zip(written) {
-            self.tell(&wrote(verified.schedule(), written, self.width));
+            self.print(&wrote(verified.schedule(), written, self.width));
         }
         self.exit
     }
 
-    fn tell(&mut self, text: &str) {
+    fn print(&mut self, text: &str) {
         if !self.build.is_printed {
             return;
         }
@@ -122,7 +122,7 @@ impl CompileObserver for LiveReport<'_> {
     fn checked(&mut self, program: &Checked) {
         self.width = self.known_width(&program.claims);
         let text = checked(&self.file(), program.tally, self.build.settings, self.width);
-        self.tell(&text);
+        self.print(&text);
     }
 
     fn planning(&mut self, index: usize, count: usize, task: &str) {
@@ -145,12 +145,12 @@ impl CompileObserver for LiveReport<'_> {
             let line = |(run, steps): (String, String)| terminal::line("Searched", &run, self.width, &steps);
             text.extend(subjects(claims).zip(searched).map(line));
         }
-        self.tell(&text);
+        self.print(&text);
     }
 
     fn verified(&mut self, schedule: &Verified) {
         let text = verified(schedule.schedule(), self.width);
-        self.tell(&text);
+        self.print(&text);
     }
 }
 

@@ -5,7 +5,7 @@
 //! where an error of that text is corrected.
 
 use crate::geometry::PlaneAxis;
-use crate::geometry::fault::{Fault, through};
+use crate::geometry::fault::{Fault, inject};
 use crate::real::Real;
 use nalgebra::{DMatrix, DVector, Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
@@ -150,7 +150,7 @@ impl DimibotFacts {
     /// Distance between neighbouring cells along the axis of a side: K·Δ·√2 / 2^(n-1) (equations 2 and 6 of the paper).
     pub fn pitch_um(&self, side: Side) -> f64 {
         let widest_um = self.gain * self.stroke_um * std::f64::consts::SQRT_2;
-        through(Fault::Pitch, widest_um / 2f64.whole_power(self.modules(side) as i32 - 1))
+        inject(Fault::Pitch, widest_um / 2f64.whole_power(self.modules(side) as i32 - 1))
     }
 
     /// Number of cells along the axis of a side: 2^n.
@@ -246,7 +246,7 @@ impl DimibotFacts {
 
     /// Distance by which obstacles are grown: tip radius plus repeatability.
     pub fn growth_um(&self) -> f64 {
-        through(Fault::Growth, self.tip_radius_um + self.repeatability_um)
+        inject(Fault::Growth, self.tip_radius_um + self.repeatability_um)
     }
 
     /// The name of the channel that sets or resets a module, without the device's name.

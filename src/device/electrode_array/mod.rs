@@ -228,13 +228,13 @@ impl ElectrodeArrayFacts {
     }
 
     /// Whether the place is on the board; it may lack an electrode.
-    pub fn holds(&self, cell: ElectrodeCell) -> bool {
+    pub fn is_on_board(&self, cell: ElectrodeCell) -> bool {
         (1..=self.columns).contains(&cell.column) && (1..=self.rows).contains(&cell.row)
     }
 
     /// Whether there is an electrode at a place of the board.
     pub fn has_electrode(&self, cell: ElectrodeCell) -> bool {
-        self.holds(cell) && self.map.as_ref().is_none_or(|map| map.has_electrode(cell))
+        self.is_on_board(cell) && self.map.as_ref().is_none_or(|map| map.has_electrode(cell))
     }
 
     /// Whether an electrode does not work.
@@ -246,7 +246,7 @@ impl ElectrodeArrayFacts {
     /// working electrode. Boards of microparts have all their electrodes.
     pub fn reaches(&self, cell: ElectrodeCell) -> bool {
         let rim = self.layout.electrodes.rim();
-        self.holds(cell)
+        self.is_on_board(cell)
             && self.map.as_ref().is_none_or(|map| map.works(cell))
             && (1 + rim..=self.columns.saturating_sub(rim)).contains(&cell.column)
             && (1 + rim..=self.rows.saturating_sub(rim)).contains(&cell.row)
@@ -294,18 +294,18 @@ impl ElectrodeArrayFacts {
     }
 
     /// The electrodes that share a channel with one, itself included, row by row from row 1.
-    pub fn on_with(&self, cell: ElectrodeCell) -> Vec<ElectrodeCell> {
+    pub fn on_channel_of(&self, cell: ElectrodeCell) -> Vec<ElectrodeCell> {
         self.map.as_ref().map_or_else(|| vec![cell], |map| map.on_channel_of(cell))
     }
 
     /// The working electrodes that share a channel with one, itself included.
-    pub fn lit_with(&self, cell: ElectrodeCell) -> Vec<ElectrodeCell> {
-        self.on_with(cell).into_iter().filter(|cell| !self.is_disabled(*cell)).collect()
+    pub fn working_on_channel_of(&self, cell: ElectrodeCell) -> Vec<ElectrodeCell> {
+        self.on_channel_of(cell).into_iter().filter(|cell| !self.is_disabled(*cell)).collect()
     }
 
     /// The first of the electrodes that share a channel with one, row by row from row 1; it gives the channel its
     /// name.
-    pub fn first_on_with(&self, cell: ElectrodeCell) -> ElectrodeCell {
+    pub fn first_on_channel_of(&self, cell: ElectrodeCell) -> ElectrodeCell {
         self.map.as_ref().map_or(cell, |map| map.first_on_channel_of(cell))
     }
 
@@ -333,7 +333,7 @@ impl ElectrodeArrayFacts {
     /// such channel.
     pub fn electrode(&self, channel: &str) -> Option<ElectrodeCell> {
         let cell = self.named_electrode(channel)?;
-        (self.first_on_with(cell) == cell).then_some(cell)
+        (self.first_on_channel_of(cell) == cell).then_some(cell)
     }
 
     /// The electrode with this name, whether or not a channel is named after it.

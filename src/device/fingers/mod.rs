@@ -6,7 +6,7 @@
 //! that text is corrected.
 
 pub use super::shape::Plane;
-use crate::geometry::fault::{Fault, through};
+use crate::geometry::fault::{Fault, inject};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -41,11 +41,11 @@ pub const MAX_GRASPS: usize = 1 << 29;
 
 /// Largest budget of grasp evaluations for one task: about a minute, over two in the slowest task measured, and some
 /// gigabytes of memory.
-pub const MAX_LOOKS: u32 = 1_000_000_000;
+pub const MAX_GRASP_EVALUATIONS: u32 = 1_000_000_000;
 
 /// Default budget of grasp evaluations for one task: mostly less than 10 s; 21 s in the slowest of the random tasks
 /// that were measured.
-pub const DEFAULT_LOOKS: u32 = 150_000_000;
+pub const DEFAULT_GRASP_EVALUATIONS: u32 = 150_000_000;
 
 /// The axes of a stage, in coordinate order.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
@@ -107,20 +107,20 @@ pub struct FingersFacts {
 impl FingersFacts {
     /// The nominal rotation step, the paper's Δθ.
     pub fn step_rad(&self) -> f64 {
-        through(Fault::Step, TAU / f64::from(self.steps_per_turn))
+        inject(Fault::Step, TAU / f64::from(self.steps_per_turn))
     }
 
     /// Force that pulls a tip off, in micronewtons; zero without adhesion.
     pub fn sticking_un(&self) -> f64 {
         match self.adhesion {
-            Adhesion::Sticking => through(Fault::Sticking, self.pull_off_un),
+            Adhesion::Sticking => inject(Fault::Sticking, self.pull_off_un),
             Adhesion::Absent => 0.0,
         }
     }
 
     /// Distance from its contact within which a tip moves slowly; never less than the clearance.
     pub fn slow_um(&self) -> f64 {
-        through(Fault::Slow, self.retract_um.max(self.clearance_um))
+        inject(Fault::Slow, self.retract_um.max(self.clearance_um))
     }
 
     /// Radius of the sphere about the object's origin on which the free tip of a finger, counted from 0, waits and

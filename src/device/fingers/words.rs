@@ -1,6 +1,6 @@
 //! The vocabulary of hands.
 
-use super::{DEFAULT_LOOKS, MAX_FINGERS, MAX_LOOKS, MIN_FINGERS, Plane};
+use super::{DEFAULT_GRASP_EVALUATIONS, MAX_FINGERS, MAX_GRASP_EVALUATIONS, MIN_FINGERS, Plane};
 use crate::device::shape::ShapeForm;
 use crate::device::words::words;
 use crate::device::{
@@ -194,8 +194,8 @@ const BUDGET: [VocabularyField; 2] = [
     expansions(200_000_000, "number of grasps the search may expand before it gives up"),
     budget(
         "looks",
-        MAX_LOOKS,
-        DEFAULT_LOOKS,
+        MAX_GRASP_EVALUATIONS,
+        DEFAULT_GRASP_EVALUATIONS,
         "number of grasp evaluations, some tens of nanoseconds each, before the search gives up",
     ),
 ];

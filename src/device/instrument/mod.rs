@@ -13,7 +13,7 @@ mod words;
 pub(crate) use auxiliary::is_zero;
 pub use auxiliary::{AuxiliaryOutput, AuxiliarySort, Awaited, HoldTerms};
 pub use machine::{AXIS_LETTERS, MachineControllerFacts};
-pub use stages::{Direction, StageControllerFacts, StageLimits, StageProtocol, cut_um};
+pub use stages::{Direction, StageControllerFacts, StageLimits, StageProtocol, corner_cut_um};
 pub use words::{ANY_WIRE, HEATERS};
 
 use crate::device::{VocabularyField, words::words};

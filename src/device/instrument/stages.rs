@@ -77,13 +77,13 @@ impl StageLimits {
     /// Greatest deviation of a stage from its path where the commanded speed jumps, in micrometres. The stage changes
     /// its speed uniformly, in the time `t = change / acceleration` centred on the corner, and is `change * t / 8`
     /// off at the corner.
-    pub fn rounding_um(&self, change_um_per_s: f64) -> f64 {
+    pub fn corner_rounding_um(&self, change_um_per_s: f64) -> f64 {
         self.acceleration_um_per_s2.map_or(0.0, |most| change_um_per_s * change_um_per_s / (8.0 * most))
     }
 }
 
 /// Greatest deviation of a path sampled at points, straight between them, from one with a corner between two points,
 /// in micrometres: with the corner in the middle, it is `change * period / 4` off the straight line.
-pub fn cut_um(change_um_per_s: f64, period_s: f64) -> f64 {
+pub fn corner_cut_um(change_um_per_s: f64, period_s: f64) -> f64 {
     change_um_per_s * period_s / 4.0
 }

@@ -175,7 +175,7 @@ const SLEW: VocabularyField =
     optional("slew", positive(Dimension::SLEW_RATE), "not checked", "fastest change of the amplifier's voltage");
 const SCALE: VocabularyField = required(
     "scale",
-    Sort::Quantity { dimension: Dimension::SENSITIVITY, range: Range::NotZero },
+    Sort::Quantity { dimension: Dimension::VOLTAGE_PER_LENGTH, range: Range::NotZero },
     "voltage of the stage's driver per length",
 );
 const ZERO: VocabularyField = defaulted(

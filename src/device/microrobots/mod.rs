@@ -6,7 +6,7 @@
 //! (supporting material). Its headings and formulas are corrected (see the standard library's file).
 
 use crate::geometry::Pose;
-use crate::geometry::fault::{Fault, through};
+use crate::geometry::fault::{Fault, inject};
 use crate::real::Real;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -88,7 +88,7 @@ impl Robot {
     /// contradicts it).
     pub fn moved(&self, pose: Pose, arm: Arm, way_um: f64) -> Pose {
         let (sin, cos) = pose.heading_rad.sine_cosine();
-        let way_um = through(Fault::Stroke, way_um);
+        let way_um = inject(Fault::Stroke, way_um);
         match arm {
             Arm::Up => Pose { x_um: pose.x_um + way_um * cos, y_um: pose.y_um + way_um * sin, ..pose },
             Arm::Down => {

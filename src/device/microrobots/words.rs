@@ -132,7 +132,7 @@ const FIELDS: &[VocabularyField] = &[
     ),
     optional(
         "turning_error",
-        not_negative(Dimension::TURNING),
+        not_negative(Dimension::ANGLE_PER_LENGTH),
         "unknown",
         "bound on the error of a heading, per distance driven",
     ),

@@ -5,7 +5,7 @@
 //! the cost of a report depends only on what it shows.
 
 use super::Label;
-use super::plain::{commands, plain, shortened};
+use super::plain::{is_unprintable, plain, shortened};
 use crate::source::SourceFile;
 use miette::{LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use std::collections::BTreeSet;
@@ -250,7 +250,7 @@ fn backward(text: &str, from: usize, characters: usize, limit: usize) -> usize {
 
 /// The text with characters that would control the terminal replaced.
 fn shown(text: &str) -> String {
-    let replace = |character: char| if commands(character) && character != '\t' { '\u{fffd}' } else { character };
+    let replace = |character: char| if is_unprintable(character) && character != '\t' { '\u{fffd}' } else { character };
     text.chars().map(replace).collect()
 }
 

@@ -123,7 +123,7 @@ fn chips<'a>(
         let new = || WiredChip { facts, numbers: BTreeMap::new(), pads: BTreeSet::new() };
         let chip = chips.entry(device).or_insert_with(new);
         match cell {
-            Some(cell) => chip.numbers.extend(facts.on_with(cell).into_iter().map(|cell| (cell, number))),
+            Some(cell) => chip.numbers.extend(facts.on_channel_of(cell).into_iter().map(|cell| (cell, number))),
             None => drop(chip.pads.insert(number)),
         }
     }

@@ -185,7 +185,7 @@ fn draw_board(panel: &BoardPanel, view: &PaperView, to: &mut Drawing, legend: &m
     let of_device = signals.schedule.channels.iter().enumerate().filter(|(_, channel)| channel.device == device);
     let on = of_device.filter(|(index, _)| signals.value(*index, t_ns) != 0.0);
     let firsts = on.filter_map(|(_, channel)| facts.electrode(channel.name.strip_prefix(device)?.strip_prefix('.')?));
-    let cells = firsts.flat_map(|first| facts.lit_with(first));
+    let cells = firsts.flat_map(|first| facts.working_on_channel_of(first));
     let style = ShapeStyle::filled(color::LIVE).with_stroke(color::LIVE_EDGE, HAIR_PT);
     for cell in cells {
         to.disc(

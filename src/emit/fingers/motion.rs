@@ -239,5 +239,5 @@ fn between(one: &PartPose, other: &PartPose, share: f64) -> PartPose {
 pub fn corners(section: &Section) -> Vec<[f64; 2]> {
     let Ok(curve) = Curve::of(&section.outline) else { return Vec::new() };
     let part_um = curve.perimeter_um() / f64::from(CORNERS);
-    (0..CORNERS).map(|corner| curve.spot(f64::from(corner) * part_um).point_um).collect()
+    (0..CORNERS).map(|corner| curve.point_at(f64::from(corner) * part_um).point_um).collect()
 }

@@ -235,7 +235,7 @@ fn draw_part(
     ];
     to.shape(&outline, ShapeStyle::line(color::INK, THIN_PT), &facts);
     if let Ok(curve) = Curve::of(&turn.section.outline) {
-        let nose = turn.of_section(curve.spot(0.0).point_um);
+        let nose = turn.of_section(curve.point_at(0.0).point_um);
         to.line(&view.all([[0.0; 2], nose]), ShapeStyle::line(color::INK, HAIR_PT), &[]);
         to.disc(view.at(nose), 1.3, ShapeStyle::filled(color::INK), &[]);
         let arc = scenery::arc([0.0; 2], ARC * curve.reach_um(), [0.0, turn.turned_rad]);

@@ -51,7 +51,7 @@ fn numbered_board(protocol: Protocol, number: fn(ElectrodeCell) -> Option<u32>) 
             limits: StageLimits::default(),
             span: Span::default(),
         };
-        let first = ElectrodeArrayFacts::channel(facts.first_on_with(cell));
+        let first = ElectrodeArrayFacts::channel(facts.first_on_channel_of(cell));
         schedule.bench.drives.insert(format!("plate.{first}"), drive);
     }
     FixtureSchedule { verified: Verified::assume(schedule, claims), provenance: Provenance::default() }

@@ -3,9 +3,9 @@
 //! `<name>.<controller>.stages.csv` has a row for each point at which a stage may turn: its number from 0, and the
 //! place of each stage then, in micrometres of its own travel. Between two rows all stages move on straight lines;
 //! points are spaced by the period that the first line names. If a path turns between two points, both are rows, and
-//! the path is cut by [`cut_um`] at the most. `<name>.stages.py` plays the rows: on PI controllers as straight segments
-//! of wave tables, on a SmarAct MCS2 as a stream of places. At the end, on an error and on Ctrl-C stages stay where
-//! they are.
+//! the path is cut by [`corner_cut_um`] at the most. `<name>.stages.py` plays the rows: on PI controllers as straight
+//! segments of wave tables, on a SmarAct MCS2 as a stream of places. At the end, on an error and on Ctrl-C stages stay
+//! where they are.
 //!
 //! The period is the shortest for which the tables of the controller hold the schedule: a whole number of its own
 //! periods, and no longer than the tolerance of the hand allows. Corners are cut by no more than what the acceleration
@@ -21,7 +21,7 @@ use super::wired::WiredInstrument;
 use super::{Format, Signals};
 use crate::claims::Claims;
 use crate::device::instrument::{
-    Family, InstrumentFacts, Link, StageControllerFacts, StageProtocol, Start, cut_um, number_after,
+    Family, InstrumentFacts, Link, StageControllerFacts, StageProtocol, Start, corner_cut_um, number_after,
 };
 use crate::schedule::Schedule;
 use serde_json::json;
@@ -96,7 +96,7 @@ impl<'a> StageTables<'a> {
             let schedule = self.signals.schedule;
             let spare_um = claims.tolerance_um(&schedule.channels[*channel].device).unwrap_or(SAMPLE_UM) / 2.0;
             let limits = self.wired.drives[*channel].limits;
-            let most = |change: f64| (spare_um - limits.rounding_um(change)) / cut_um(change, period_s);
+            let most = |change: f64| (spare_um - limits.corner_rounding_um(change)) / corner_cut_um(change, period_s);
             schedule
                 .speed_jumps(*channel)
                 .into_iter()

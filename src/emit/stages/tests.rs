@@ -86,7 +86,10 @@ fn stages_are_where_the_schedule_has_them_within_what_a_corner_is_cut() {
             for t_ns in (0..=schedule.duration_ns).step_by(9_973).chain(signals.breaks([channel])) {
                 let at_um = (between(&rows, axis, t_ns as f64 / period_ns) - 50.0) * sign;
                 let off_um = (at_um - signals.value(channel, t_ns)).abs();
-                assert!(off_um <= cut_um(sharpest, period_ns / 1e9) + 1e-6, "{name} is {off_um} um off at {t_ns} ns");
+                assert!(
+                    off_um <= corner_cut_um(sharpest, period_ns / 1e9) + 1e-6,
+                    "{name} is {off_um} um off at {t_ns} ns"
+                );
             }
         }
     }

@@ -5,7 +5,7 @@
 //! the largest one. Planners and the checker use this file; the verifier has its own measurements in
 //! `verify::geometry`.
 
-use super::fault::{Fault, through};
+use super::fault::{Fault, inject};
 use super::shape::Core;
 use nalgebra::Point2;
 
@@ -57,7 +57,7 @@ pub fn segment_core(segment: Segment, core: &Core) -> f64 {
         Core::Segment(other) => segment_segment(segment, *other),
         Core::Polygon(corners) => segment_polygon(segment, corners),
     };
-    through(Fault::Distance, distance_um)
+    inject(Fault::Distance, distance_um)
 }
 
 /// Distance of a point from the outline of the core of a body.
@@ -67,7 +67,7 @@ pub fn point_outline(point: Point2<f64>, core: &Core) -> f64 {
         Core::Segment(segment) => point_segment(point, *segment),
         Core::Polygon(corners) => edges(corners).map(|edge| point_segment(point, edge)).fold(f64::INFINITY, f64::min),
     };
-    through(Fault::Distance, distance_um)
+    inject(Fault::Distance, distance_um)
 }
 
 /// Distance of a point from the core of a body, 0 inside.

@@ -247,7 +247,7 @@ fn a_section_becomes_a_smooth_outline() {
         let curve = Curve::of(&Outline::from_polygon(&line).unwrap()).unwrap();
         let contacts = curve.rolled_rad(curve.perimeter_um(), 4.5) / (TAU / 18.0);
         assert!((contacts - 74.0).abs() < 0.2, "{contacts}");
-        let places = (0..200).map(|step| curve.spot(curve.perimeter_um() * f64::from(step) / 200.0).point_um);
+        let places = (0..200).map(|step| curve.point_at(curve.perimeter_um() * f64::from(step) / 200.0).point_um);
         let off = places.map(|place| exact.nearest(place).distance_um.abs()).fold(0.0, f64::max);
         assert!(off < 0.05, "{off}");
         assert!(curve.least_curvature_per_um() > 0.03, "{}", curve.least_curvature_per_um());

@@ -1,10 +1,10 @@
-//! Bounding-box tree over the stretches of a curve, for queries of nearby stretches.
+//! Bounding-box tree over the segments of a curve, for queries of nearby segments.
 //!
-//! Input: the stretches and their nodes. Output: the stretches near a point, nearest first, and two stretches whose
-//! chords meet. Promise: no relevant stretch is missed; a query for a point costs about the logarithm of the number
-//! of stretches.
+//! Input: the segments and their nodes. Output: the segments near a point, nearest first, and two segments whose
+//! chords meet. Promise: no relevant segment is missed; a query for a point costs about the logarithm of the number
+//! of segments.
 
-use super::follow::FollowedCurve;
+use super::follow::SegmentedCurve;
 use super::jet::{cross, dot, minus};
 use crate::real::Real;
 
@@ -35,21 +35,21 @@ impl CoordinateBounds {
     }
 }
 
-/// A binary tree over the stretches in order: the children of node i are 2 i and 2 i + 1; stretch s is the leaf
+/// A binary tree over the segments in order: the children of node i are 2 i and 2 i + 1; segment s is the leaf
 /// `leaves` + s.
 #[derive(Debug, Clone)]
-pub(super) struct StretchBoxes {
+pub(super) struct SegmentBoxes {
     bounds: Vec<CoordinateBounds>,
     leaves: usize,
 }
 
-impl StretchBoxes {
-    pub fn round(course: &FollowedCurve) -> StretchBoxes {
-        let leaves = course.stretches.len().next_power_of_two();
+impl SegmentBoxes {
+    pub fn of(segmented: &SegmentedCurve) -> SegmentBoxes {
+        let leaves = segmented.segments.len().next_power_of_two();
         let mut bounds = vec![CoordinateBounds::NONE; 2 * leaves];
-        for (at, stretch) in course.stretches.iter().enumerate() {
-            let [a, b] = [course.points_um[at], course.points_um[at + 1]];
-            let sag = stretch.sag_um;
+        for (at, segment) in segmented.segments.iter().enumerate() {
+            let [a, b] = [segmented.points_um[at], segmented.points_um[at + 1]];
+            let sag = segment.sag_um;
             let low = [0, 1].map(|axis: usize| a[axis].min(b[axis]) - sag);
             let high = [0, 1].map(|axis: usize| a[axis].max(b[axis]) + sag);
             bounds[leaves + at] = CoordinateBounds { low, high };
@@ -57,10 +57,10 @@ impl StretchBoxes {
         for at in (1..leaves).rev() {
             bounds[at] = bounds[2 * at].with(&bounds[2 * at + 1]);
         }
-        StretchBoxes { bounds, leaves }
+        SegmentBoxes { bounds, leaves }
     }
 
-    /// Calls `square` for stretches, to get the square of their distance, as long as one may be nearer than the best.
+    /// Calls `square` for segments, to get the square of their distance, as long as one may be nearer than the best.
     pub fn nearest(&self, point: [f64; 2], mut square: impl FnMut(usize, f64) -> f64) {
         let mut best = f64::INFINITY;
         let mut open = vec![(1, self.bounds[1].square(point))];
@@ -80,10 +80,10 @@ impl StretchBoxes {
         }
     }
 
-    /// Two stretches that are not neighbours and whose chords meet.
-    pub fn crossing(&self, course: &FollowedCurve) -> Option<[usize; 2]> {
-        let count = course.stretches.len();
-        let chord = |at: usize| [course.points_um[at], course.points_um[at + 1]];
+    /// Two segments that are not neighbours and whose chords meet.
+    pub fn crossing(&self, segmented: &SegmentedCurve) -> Option<[usize; 2]> {
+        let count = segmented.segments.len();
+        let chord = |at: usize| [segmented.points_um[at], segmented.points_um[at + 1]];
         let mut open = vec![(1, 1)];
         while let Some((a, b)) = open.pop() {
             if !self.bounds[a].meets(&self.bounds[b]) {

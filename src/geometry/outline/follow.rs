@@ -1,35 +1,35 @@
-//! Cuts an outline into short stretches on which arc length and parameter are polynomials of each other.
+//! Cuts an outline into short segments on which arc length and parameter are polynomials of each other.
 //!
-//! Input: a form and where to begin. Output: the stretches in order, with the arc length and the angle of the normal
-//! at each node. Promise: on a stretch the arc length is correct to [`WAY_UM`], the tangent turns by at most
+//! Input: a form and where to begin. Output: the segments in order, with the arc length and the angle of the normal
+//! at each node. Promise: on a segment the arc length is correct to [`WAY_UM`], the tangent turns by at most
 //! [`MAX_TURN_RAD`], and the curve stays within `sag` of the chord. Lengths are integrals by eight-point Gauss
-//! quadrature; a stretch is halved until the halves agree with the whole.
+//! quadrature; a segment is halved until the halves agree with the whole.
 
 use super::OutlineError;
 use super::form::{OutlineForm, PieceParameter};
 use super::jet::{Jet, cross, dot, minus, norm};
 use crate::real::Real;
 
-/// Greatest error of the arc length along one stretch.
+/// Greatest error of the arc length along one segment.
 const WAY_UM: f64 = 1e-9;
 
-/// Greatest error of the length of one stretch.
+/// Greatest error of the length of one segment.
 const LENGTH_UM: f64 = 1e-10;
 
-/// Greatest turn of the tangent along one stretch.
+/// Greatest turn of the tangent along one segment.
 const MAX_TURN_RAD: f64 = 0.1;
 
 /// Greatest number of halvings of a piece.
 const MAX_DEPTH: u32 = 36;
 
-/// Greatest number of stretches of a curve, besides those per piece.
-const MAX_STRETCHES: usize = 1 << 12;
+/// Greatest number of segments of a curve, besides those per piece.
+const MAX_SEGMENTS: usize = 1 << 12;
 
-/// Additional stretches per piece: smooth outlines need two or three of them.
-const STRETCHES_PER_PIECE: usize = 8;
+/// Additional segments per piece: smooth outlines need two or three of them.
+const SEGMENTS_PER_PIECE: usize = 8;
 
 /// Number of points at which the direction of a piece is sampled before it is followed.
-const LOOKS: u32 = 4;
+const DIRECTION_SAMPLES: u32 = 4;
 
 /// The positive nodes of the eight-point Gauss rule, with their weights.
 const GAUSS: [(f64, f64); 4] = [
@@ -64,25 +64,25 @@ impl Quintic {
 
 /// A short part of the curve.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct CurveStretch {
+pub(super) struct CurveSegment {
     pub piece: usize,
     pub from_t: f64,
     pub to_t: f64,
     pub length_um: f64,
     /// Greatest distance of the curve from the chord.
     pub sag_um: f64,
-    /// Parameter as a polynomial of arc length, and vice versa, both as shares of the stretch.
+    /// Parameter as a polynomial of arc length, and vice versa, both as shares of the segment.
     share_by_way: Quintic,
     share_by_t: Quintic,
 }
 
-impl CurveStretch {
-    /// The parameter at an arc length from the beginning of the stretch.
+impl CurveSegment {
+    /// The parameter at an arc length from the beginning of the segment.
     pub fn t(&self, way_um: f64) -> f64 {
         self.from_t + (self.to_t - self.from_t) * self.share_by_way.at(way_um / self.length_um)
     }
 
-    /// The arc length from the beginning of the stretch at a parameter.
+    /// The arc length from the beginning of the segment at a parameter.
     pub fn way_um(&self, t: f64) -> f64 {
         self.length_um * self.share_by_t.at((t - self.from_t) / (self.to_t - self.from_t))
     }
@@ -108,11 +108,11 @@ pub(super) fn turn(from: [f64; 2], to: [f64; 2]) -> f64 {
     cross(from, to).arc_tangent_over(dot(from, to))
 }
 
-/// The stretches of a curve and its nodes; there is one more node than stretches, and the last node coincides with
+/// The segments of a curve and its nodes; there is one more node than segments, and the last node coincides with
 /// the first.
 #[derive(Debug, Clone, Default)]
-pub(super) struct FollowedCurve {
-    pub stretches: Vec<CurveStretch>,
+pub(super) struct SegmentedCurve {
+    pub segments: Vec<CurveSegment>,
     pub ways_um: Vec<f64>,
     /// The direction of the outward normal, continuous along the curve.
     pub turns_rad: Vec<f64>,
@@ -121,11 +121,11 @@ pub(super) struct FollowedCurve {
     pub tangents: Vec<[f64; 2]>,
 }
 
-impl FollowedCurve {
+impl SegmentedCurve {
     /// Follows a form for one lap, from a parameter of a piece.
-    pub fn of(form: &OutlineForm, begin: PieceParameter) -> Result<FollowedCurve, OutlineError> {
-        let mut course = FollowedCurve::default();
-        let most = MAX_STRETCHES + STRETCHES_PER_PIECE * form.pieces();
+    pub fn of(form: &OutlineForm, begin: PieceParameter) -> Result<SegmentedCurve, OutlineError> {
+        let mut segmented = SegmentedCurve::default();
+        let most = MAX_SEGMENTS + SEGMENTS_PER_PIECE * form.pieces();
         let spans = spans(form, begin);
         if let Some(point_um) = too_rough(form, &spans, most) {
             return Err(OutlineError::Rough { point_um });
@@ -134,11 +134,11 @@ impl FollowedCurve {
             spans.into_iter().rev().map(|(piece, from, to)| (piece, from, to, 0)).collect();
         while let Some((piece, from, to, depth)) = open.pop() {
             let ends = [form.at(piece, from), form.at(piece, to)];
-            if course.stretches.len() >= most || ends.iter().any(|end| !is_sound(end)) {
+            if segmented.segments.len() >= most || ends.iter().any(|end| !is_sound(end)) {
                 return Err(OutlineError::Rough { point_um: ends[0].point });
             }
             match measured(form, piece, [from, to], &ends, depth) {
-                Some(stretch) => course.add(stretch, &ends),
+                Some(segment) => segmented.add(segment, &ends),
                 None => {
                     let middle = f64::midpoint(from, to);
                     open.push((piece, middle, to, depth + 1));
@@ -146,18 +146,18 @@ impl FollowedCurve {
                 }
             }
         }
-        Ok(course)
+        Ok(segmented)
     }
 
-    fn add(&mut self, stretch: CurveStretch, ends: &[Jet; 2]) {
+    fn add(&mut self, segment: CurveSegment, ends: &[Jet; 2]) {
         if self.ways_um.is_empty() {
             let normal = ends[0].normal();
             self.node(0.0, normal[1].arc_tangent_over(normal[0]), &ends[0]);
         }
-        let at = self.stretches.len();
+        let at = self.segments.len();
         let turned = turn(self.tangents[at], ends[1].first);
-        self.node(self.ways_um[at] + stretch.length_um, self.turns_rad[at] + turned, &ends[1]);
-        self.stretches.push(stretch);
+        self.node(self.ways_um[at] + segment.length_um, self.turns_rad[at] + turned, &ends[1]);
+        self.segments.push(segment);
     }
 
     fn node(&mut self, way_um: f64, turn_rad: f64, jet: &Jet) {
@@ -195,14 +195,14 @@ fn spans(form: &OutlineForm, begin: PieceParameter) -> Vec<(usize, f64, f64)> {
     spans
 }
 
-/// The point where a curve turns most sharply, if it certainly turns more than `most` stretches allow: following such
+/// The point where a curve turns most sharply, if it certainly turns more than `most` segments allow: following such
 /// a curve until they run out would take long.
 fn too_rough(form: &OutlineForm, spans: &[(usize, f64, f64)], most: usize) -> Option<[f64; 2]> {
     let (mut all_rad, mut sharpest) = (0.0, (0.0, None));
     for &(piece, from, to) in spans {
         let mut before = form.at(piece, from);
-        for look in 1..=LOOKS {
-            let here = form.at(piece, from + (to - from) * f64::from(look) / f64::from(LOOKS));
+        for look in 1..=DIRECTION_SAMPLES {
+            let here = form.at(piece, from + (to - from) * f64::from(look) / f64::from(DIRECTION_SAMPLES));
             let turned_rad = turn(before.first, here.first).abs();
             all_rad += turned_rad;
             if turned_rad > sharpest.0 {
@@ -214,14 +214,14 @@ fn too_rough(form: &OutlineForm, spans: &[(usize, f64, f64)], most: usize) -> Op
     sharpest.1.filter(|_| all_rad > MAX_TURN_RAD * most as f64)
 }
 
-/// The stretch between two parameters; `None` if it must be halved.
+/// The segment between two parameters; `None` if it must be halved.
 fn measured(
     form: &OutlineForm,
     piece: usize,
     [from, to]: [f64; 2],
     ends: &[Jet; 2],
     depth: u32,
-) -> Option<CurveStretch> {
+) -> Option<CurveSegment> {
     let last = depth >= MAX_DEPTH;
     let inner = [0.25, 0.5, 0.75].map(|share| from + share * (to - from));
     let jets = inner.map(|t| form.at(piece, t));
@@ -235,14 +235,18 @@ fn measured(
         return None;
     }
     let (dt, speeds) = (to - from, ends.map(|end| end.speed()));
-    let haste = ends.map(|end| end.haste());
+    let speed_derivatives = ends.map(|end| end.speed_derivative());
     let by_way = |end: usize| {
-        [end as f64, whole / (speeds[end] * dt), -haste[end] / speeds[end].whole_power(3) * whole * whole / dt]
+        [
+            end as f64,
+            whole / (speeds[end] * dt),
+            -speed_derivatives[end] / speeds[end].whole_power(3) * whole * whole / dt,
+        ]
     };
-    let by_t = |end: usize| [end as f64, speeds[end] * dt / whole, haste[end] * dt * dt / whole];
+    let by_t = |end: usize| [end as f64, speeds[end] * dt / whole, speed_derivatives[end] * dt * dt / whole];
     let chord = minus(ends[1].point, ends[0].point);
     let off = |jet: &Jet| (cross(chord, minus(jet.point, ends[0].point)) / norm(chord)).abs();
-    let stretch = CurveStretch {
+    let segment = CurveSegment {
         piece,
         from_t: from,
         to_t: to,
@@ -253,9 +257,9 @@ fn measured(
     };
     let quarters = [length(form, piece, from, inner[0]), first, first + length(form, piece, inner[1], inner[2])];
     let fits = (0..3).all(|at| {
-        let way_off = (stretch.way_um(inner[at]) - quarters[at]).abs();
-        let t_off = (stretch.t(quarters[at]) - inner[at]).abs() * jets[at].speed();
+        let way_off = (segment.way_um(inner[at]) - quarters[at]).abs();
+        let t_off = (segment.t(quarters[at]) - inner[at]).abs() * jets[at].speed();
         way_off.max(t_off) <= WAY_UM
     });
-    (fits || last).then_some(stretch)
+    (fits || last).then_some(segment)
 }

@@ -25,7 +25,7 @@ impl Jet {
     }
 
     /// The derivative of the speed.
-    pub fn haste(&self) -> f64 {
+    pub fn speed_derivative(&self) -> f64 {
         dot(self.first, self.second) / self.speed()
     }
 }

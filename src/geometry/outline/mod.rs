@@ -13,9 +13,9 @@ mod spline;
 #[cfg(test)]
 mod tests;
 
-use super::fault::{Fault, through};
-use boxes::StretchBoxes;
-use follow::{FollowedCurve, gauss, turn};
+use super::fault::{Fault, inject};
+use boxes::SegmentBoxes;
+use follow::{SegmentedCurve, gauss, turn};
 use form::{OutlineForm, PieceParameter};
 use jet::{cross, dot, minus, norm};
 pub use resample::{MAX_POLYGON, MAX_SMOOTHED};
@@ -116,8 +116,8 @@ pub enum OutlineError {
 #[derive(Debug, Clone)]
 pub struct Curve {
     form: OutlineForm,
-    course: FollowedCurve,
-    boxes: StretchBoxes,
+    segmented: SegmentedCurve,
+    boxes: SegmentBoxes,
     perimeter_um: f64,
     opposite_um: f64,
     area_um2: f64,
@@ -134,31 +134,31 @@ impl Curve {
     pub fn of(outline: &Outline) -> Result<Curve, OutlineError> {
         let form = formulas(outline)?;
         let (begin, opposite) = axis_places(&form)?;
-        let mut course = FollowedCurve::of(&form, begin)?;
-        let boxes = StretchBoxes::round(&course);
+        let mut segmented = SegmentedCurve::of(&form, begin)?;
+        let boxes = SegmentBoxes::of(&segmented);
         if form.may_cross() {
-            uncrossed(&course, &boxes)?;
+            uncrossed(&segmented, &boxes)?;
         }
-        close(&mut course);
-        let perimeter_um = course.ways_um[course.stretches.len()];
-        let (area_um2, centre_um) = area_and_centre(&form, &course);
-        Curve::with(form, course, boxes, opposite, perimeter_um, area_um2, centre_um)
+        close(&mut segmented);
+        let perimeter_um = segmented.ways_um[segmented.segments.len()];
+        let (area_um2, centre_um) = area_and_centre(&form, &segmented);
+        Curve::with(form, segmented, boxes, opposite, perimeter_um, area_um2, centre_um)
     }
 
     fn with(
         form: OutlineForm,
-        course: FollowedCurve,
-        boxes: StretchBoxes,
+        segmented: SegmentedCurve,
+        boxes: SegmentBoxes,
         opposite: Option<PieceParameter>,
         perimeter_um: f64,
         area_um2: f64,
         centre_um: [f64; 2],
     ) -> Result<Curve, OutlineError> {
-        let opposite_um = opposite.map_or(perimeter_um / 2.0, |place| way_at(&course, place));
+        let opposite_um = opposite.map_or(perimeter_um / 2.0, |place| way_at(&segmented, place));
         let (reach_um, least_curvature_per_um) = (0.0, 0.0);
         let mut curve = Curve {
             form,
-            course,
+            segmented,
             boxes,
             perimeter_um,
             opposite_um,
@@ -180,7 +180,7 @@ impl Curve {
 
     /// The length of one lap.
     pub fn perimeter_um(&self) -> f64 {
-        through(Fault::Perimeter, self.perimeter_um)
+        inject(Fault::Perimeter, self.perimeter_um)
     }
 
     /// Greatest distance from the origin.
@@ -200,24 +200,24 @@ impl Curve {
 
     /// The point at an arc length, which may exceed the perimeter or be negative (laps). The normal's angle counts
     /// laps too.
-    pub fn spot(&self, way_um: f64) -> CurvePoint {
+    pub fn point_at(&self, way_um: f64) -> CurvePoint {
         let laps = (way_um / self.perimeter_um).floor();
         let way_um = way_um - laps * self.perimeter_um;
         let (at, t) = self.place(way_um);
-        let jet = self.form.at(self.course.stretches[at].piece, t);
-        let turned = turn(self.course.tangents[at], jet.first);
+        let jet = self.form.at(self.segmented.segments[at].piece, t);
+        let turned = turn(self.segmented.tangents[at], jet.first);
         CurvePoint {
-            point_um: [through(Fault::Spot, jet.point[0]), jet.point[1]],
-            normal_rad: through(Fault::Normal, self.course.turns_rad[at] + turned + laps * TAU),
+            point_um: [inject(Fault::OutlinePoint, jet.point[0]), jet.point[1]],
+            normal_rad: inject(Fault::Normal, self.segmented.turns_rad[at] + turned + laps * TAU),
             curvature_per_um: jet.curvature(),
         }
     }
 
-    /// The stretch at an arc length within the first lap, and the parameter in it.
+    /// The segment at an arc length within the first lap, and the parameter in it.
     fn place(&self, way_um: f64) -> (usize, f64) {
-        let ways_um = &self.course.ways_um;
-        let at = ways_um.partition_point(|way| *way <= way_um).saturating_sub(1).min(self.course.stretches.len() - 1);
-        (at, self.course.stretches[at].t(way_um - ways_um[at]))
+        let ways_um = &self.segmented.ways_um;
+        let at = ways_um.partition_point(|way| *way <= way_um).saturating_sub(1).min(self.segmented.segments.len() - 1);
+        (at, self.segmented.segments[at].t(way_um - ways_um[at]))
     }
 
     /// The point nearest to a given one; its arc length is in the first lap.
@@ -231,46 +231,46 @@ impl Curve {
                 found.square
             });
         }
-        Nearest { way_um: found.way_um, distance_um: through(Fault::Outline, found.square.sqrt() * found.sign) }
+        Nearest { way_um: found.way_um, distance_um: inject(Fault::Outline, found.square.sqrt() * found.sign) }
     }
 
-    /// Whether the chord is near enough that the stretch may contain a nearer point.
+    /// Whether the chord is near enough that the segment may contain a nearer point.
     fn may_be_nearer(&self, at: usize, point_um: [f64; 2], square: f64) -> bool {
-        let [a, b] = [self.course.points_um[at], self.course.points_um[at + 1]];
+        let [a, b] = [self.segmented.points_um[at], self.segmented.points_um[at + 1]];
         let (chord, off) = (minus(b, a), minus(point_um, a));
         let share = (dot(off, chord) / dot(chord, chord)).clamp(0.0, 1.0);
-        let reach = square.sqrt() + self.course.stretches[at].sag_um;
+        let reach = square.sqrt() + self.segmented.segments[at].sag_um;
         let gap = [off[0] - share * chord[0], off[1] - share * chord[1]];
         dot(gap, gap) <= reach * reach
     }
 
     /// Derivative of half the squared distance with respect to arc length, at a node.
     fn slope(&self, node: usize, point_um: [f64; 2]) -> f64 {
-        dot(minus(self.course.points_um[node], point_um), self.course.tangents[node])
+        dot(minus(self.segmented.points_um[node], point_um), self.segmented.tangents[node])
     }
 
-    /// The point of a stretch nearest to a given one.
+    /// The point of a segment nearest to a given one.
     fn foot(&self, at: usize, point_um: [f64; 2]) -> Option<NearestPlace> {
-        let stretch = &self.course.stretches[at];
+        let segment = &self.segmented.segments[at];
         let slopes = [self.slope(at, point_um), self.slope(at + 1, point_um)];
         if slopes[0] < 0.0 && slopes[1] > 0.0 {
-            let begin = stretch.from_t + (stretch.to_t - stretch.from_t) * slopes[0] / (slopes[0] - slopes[1]);
+            let begin = segment.from_t + (segment.to_t - segment.from_t) * slopes[0] / (slopes[0] - slopes[1]);
             return Some(self.perpendicular(at, point_um, begin));
         }
-        let gaps = [at, at + 1].map(|node| minus(point_um, self.course.points_um[node]));
+        let gaps = [at, at + 1].map(|node| minus(point_um, self.segmented.points_um[node]));
         let node = usize::from(dot(gaps[1], gaps[1]) < dot(gaps[0], gaps[0]));
         let square = dot(gaps[node], gaps[node]);
-        let [x, y] = self.course.tangents[at + node];
+        let [x, y] = self.segmented.tangents[at + node];
         let sign = if dot(gaps[node], [y, -x]) < 0.0 { -1.0 } else { 1.0 };
-        square.is_finite().then_some(NearestPlace { square, way_um: self.course.ways_um[at + node], sign })
+        square.is_finite().then_some(NearestPlace { square, way_um: self.segmented.ways_um[at + node], sign })
     }
 
     /// Newton's method for the point where the connection is perpendicular to the curve, bracketed by two slopes of
     /// opposite sign.
     fn perpendicular(&self, at: usize, point_um: [f64; 2], begin: f64) -> NearestPlace {
-        let stretch = &self.course.stretches[at];
-        let (mut low, mut high, mut t) = (stretch.from_t, stretch.to_t, begin);
-        let mut jet = self.form.at(stretch.piece, t);
+        let segment = &self.segmented.segments[at];
+        let (mut low, mut high, mut t) = (segment.from_t, segment.to_t, begin);
+        let mut jet = self.form.at(segment.piece, t);
         for _ in 0..MAX_ITERATIONS {
             let gap = minus(jet.point, point_um);
             let slope = dot(gap, jet.first);
@@ -283,20 +283,20 @@ impl Curve {
             let next = t - step;
             let (before, within) = (t, next >= low && next <= high);
             t = if within { next } else { f64::midpoint(low, high) };
-            jet = self.form.at(stretch.piece, t);
+            jet = self.form.at(segment.piece, t);
             if (t - before).abs() * jet.speed() < NEWTON_UM {
                 break;
             }
         }
         let gap = minus(point_um, jet.point);
         let sign = if dot(gap, jet.normal()) < 0.0 { -1.0 } else { 1.0 };
-        NearestPlace { square: dot(gap, gap), way_um: self.course.ways_um[at] + stretch.way_um(t), sign }
+        NearestPlace { square: dot(gap, gap), way_um: self.segmented.ways_um[at] + segment.way_um(t), sign }
     }
 
     /// Rotation of the object while a tip rolls from arc length 0 to `way_um`: the integral of κ + 1/l2, which is the
     /// rotation of the normal plus the arc length over the tip's radius.
     pub fn rolled_rad(&self, way_um: f64, tip_radius_um: f64) -> f64 {
-        through(Fault::Rolled, self.spot(way_um).normal_rad - self.course.turns_rad[0] + way_um / tip_radius_um)
+        inject(Fault::Rolled, self.point_at(way_um).normal_rad - self.segmented.turns_rad[0] + way_um / tip_radius_um)
     }
 
     /// The arc length at which a tip has rolled by this angle: the inverse of [`Curve::rolled_rad`], for tips that
@@ -306,19 +306,20 @@ impl Curve {
         let once_rad = TAU + self.perimeter_um / tip_radius_um;
         let laps = (rolled_rad / once_rad).floor();
         let wanted_rad = rolled_rad - laps * once_rad;
-        let course = &self.course;
-        let at_node = |node: usize| course.turns_rad[node] - course.turns_rad[0] + course.ways_um[node] / tip_radius_um;
-        let (mut first, mut last) = (0, course.stretches.len());
+        let segmented = &self.segmented;
+        let at_node =
+            |node: usize| segmented.turns_rad[node] - segmented.turns_rad[0] + segmented.ways_um[node] / tip_radius_um;
+        let (mut first, mut last) = (0, segmented.segments.len());
         while last - first > 1 {
             let middle = usize::midpoint(first, last);
             if at_node(middle) <= wanted_rad { first = middle } else { last = middle }
         }
-        let (mut low, mut high) = (course.ways_um[first], course.ways_um[last]);
+        let (mut low, mut high) = (segmented.ways_um[first], segmented.ways_um[last]);
         let share = (wanted_rad - at_node(first)) / (at_node(last) - at_node(first));
         let mut way_um = low + (high - low) * share.clamp(0.0, 1.0);
         for _ in 0..MAX_ITERATIONS {
-            let spot = self.spot(way_um);
-            let off = spot.normal_rad - course.turns_rad[0] + way_um / tip_radius_um - wanted_rad;
+            let spot = self.point_at(way_um);
+            let off = spot.normal_rad - segmented.turns_rad[0] + way_um / tip_radius_um - wanted_rad;
             if off > 0.0 {
                 high = way_um
             } else {
@@ -331,7 +332,7 @@ impl Curve {
                 break;
             }
         }
-        through(Fault::WayRolled, way_um + laps * self.perimeter_um)
+        inject(Fault::WayRolled, way_um + laps * self.perimeter_um)
     }
 
     /// The arc length of the outermost point on the negative x axis.
@@ -347,9 +348,9 @@ impl Curve {
     /// The least value along the curve: each local minimum among the nodes is refined by golden-section search on
     /// both sides.
     fn least(&self, value: impl Fn(&CurvePoint) -> f64) -> f64 {
-        let ways_um = &self.course.ways_um;
-        let count = self.course.stretches.len();
-        let at = |way_um: f64| value(&self.spot(way_um));
+        let ways_um = &self.segmented.ways_um;
+        let count = self.segmented.segments.len();
+        let at = |way_um: f64| value(&self.point_at(way_um));
         let values: Vec<f64> = ways_um[..count].iter().map(|way_um| at(*way_um)).collect();
         let before = |node: usize| if node == 0 { count - 1 } else { node - 1 };
         let best = (0..count).min_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or(0);
@@ -481,44 +482,44 @@ fn axis_places(form: &OutlineForm) -> Result<(PieceParameter, Option<PieceParame
 }
 
 /// The arc length of a parameter along a curve.
-fn way_at(course: &FollowedCurve, place: PieceParameter) -> f64 {
+fn way_at(segmented: &SegmentedCurve, place: PieceParameter) -> f64 {
     let off = |at: usize| {
-        let stretch = &course.stretches[at];
-        if stretch.piece != place.piece {
+        let segment = &segmented.segments[at];
+        if segment.piece != place.piece {
             return f64::INFINITY;
         }
-        (stretch.from_t - place.t).max(place.t - stretch.to_t).max(0.0)
+        (segment.from_t - place.t).max(place.t - segment.to_t).max(0.0)
     };
-    let nearest = (0..course.stretches.len()).min_by(|a, b| off(*a).total_cmp(&off(*b)));
-    nearest.map_or(f64::NAN, |at| course.ways_um[at] + course.stretches[at].way_um(place.t))
+    let nearest = (0..segmented.segments.len()).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+    nearest.map_or(f64::NAN, |at| segmented.ways_um[at] + segmented.segments[at].way_um(place.t))
 }
 
 /// Checks that a curve does not intersect itself and turns exactly once.
-fn uncrossed(course: &FollowedCurve, boxes: &StretchBoxes) -> Result<(), OutlineError> {
-    if let Some(pair) = boxes.crossing(course) {
-        return Err(OutlineError::Crossing { ways_um: pair.map(|at| course.ways_um[at]) });
+fn uncrossed(segmented: &SegmentedCurve, boxes: &SegmentBoxes) -> Result<(), OutlineError> {
+    if let Some(pair) = boxes.crossing(segmented) {
+        return Err(OutlineError::Crossing { ways_um: pair.map(|at| segmented.ways_um[at]) });
     }
-    let turned_rad = course.turns_rad[course.stretches.len()] - course.turns_rad[0];
+    let turned_rad = segmented.turns_rad[segmented.segments.len()] - segmented.turns_rad[0];
     if (turned_rad - TAU).abs() > 1e-3 {
-        return Err(OutlineError::Rough { point_um: course.points_um[0] });
+        return Err(OutlineError::Rough { point_um: segmented.points_um[0] });
     }
     Ok(())
 }
 
 /// Makes the last node coincide with the first one.
-fn close(course: &mut FollowedCurve) {
-    let last = course.stretches.len();
-    course.turns_rad[last] = course.turns_rad[0] + TAU;
-    course.points_um[last] = course.points_um[0];
-    course.tangents[last] = course.tangents[0];
+fn close(segmented: &mut SegmentedCurve) {
+    let last = segmented.segments.len();
+    segmented.turns_rad[last] = segmented.turns_rad[0] + TAU;
+    segmented.points_um[last] = segmented.points_um[0];
+    segmented.tangents[last] = segmented.tangents[0];
 }
 
 /// Green's theorem: the area is ∮ (x dy - y dx) / 2, its moments are ∮ x² dy / 2 and -∮ y² dx / 2.
-fn area_and_centre(form: &OutlineForm, course: &FollowedCurve) -> (f64, [f64; 2]) {
+fn area_and_centre(form: &OutlineForm, segmented: &SegmentedCurve) -> (f64, [f64; 2]) {
     let (mut area, mut moment) = (0.0, [0.0; 2]);
-    for stretch in &course.stretches {
-        gauss(stretch.from_t, stretch.to_t, |t, weight| {
-            let jet = form.at(stretch.piece, t);
+    for segment in &segmented.segments {
+        gauss(segment.from_t, segment.to_t, |t, weight| {
+            let jet = form.at(segment.piece, t);
             let [x, y] = jet.point;
             area += weight * cross(jet.point, jet.first) / 2.0;
             moment[0] += weight * x * x * jet.first[1] / 2.0;

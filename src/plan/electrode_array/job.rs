@@ -58,7 +58,7 @@ pub fn plan(
     sink: &mut Sink,
 ) -> Option<Plan<ElectrodeArrayMotion>> {
     let start = standing.before(job, order);
-    sink.unless(standings::on_obstacle(job, order, &start))?;
+    sink.push_if_some(standings::on_obstacle(job, order, &start))?;
     let (plan, end) = planned(job, order, start, true, sink);
     standing.leave(job, order, end);
     plan

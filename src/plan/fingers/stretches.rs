@@ -16,7 +16,7 @@ use super::tip_motion::{self, FingerAct, FingersCourse, TipMotionError};
 use super::{FingersMotion, HeldGrasp, Stance};
 use crate::claims::Job;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, FingersTurn};
-use crate::device::fingers::{DEFAULT_LOOKS, FingersObjective, FingersOutcome, Plane};
+use crate::device::fingers::{DEFAULT_GRASP_EVALUATIONS, FingersObjective, FingersOutcome, Plane};
 use crate::diagnostic::Remark;
 use crate::plan::search::{GaveUp, SearchBudget};
 use crate::plan::{Optimality, Plan};
@@ -46,7 +46,7 @@ pub struct PathChoice {
 
 /// Budget of looks for planning one task.
 pub fn most_looks(order: &FingersOrder) -> u64 {
-    order.looks.unwrap_or(u64::from(DEFAULT_LOOKS))
+    order.looks.unwrap_or(u64::from(DEFAULT_GRASP_EVALUATIONS))
 }
 
 /// Request for a plan.

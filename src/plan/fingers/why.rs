@@ -14,7 +14,7 @@ use super::tip_motion::TipMotionError;
 use crate::claims::Job;
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersPlanner, HandPart, Section};
 use crate::device::MAX_EXPANSIONS;
-use crate::device::fingers::MAX_LOOKS;
+use crate::device::fingers::MAX_GRASP_EVALUATIONS;
 use crate::device::fingers::sampling::contacts;
 use crate::device::fingers::{AXES, Adhesion, FingersFacts, MAX_CONTACTS, MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
@@ -116,7 +116,7 @@ impl HandReasons<'_> {
     /// Report: the looks of the task are spent.
     fn looks_spent(&self, bound: u64) -> Diagnostic {
         let bound = digits(bound as f64 / f64::from(self.order.facts.steps_per_turn));
-        let (most, budget) = (u64::from(MAX_LOOKS), most_looks(self.order));
+        let (most, budget) = (u64::from(MAX_GRASP_EVALUATIONS), most_looks(self.order));
         let title = format!("{}: the search gave up after {budget} looks at grasps", self.what());
         let fewer = "reduce the number of grasps with a larger `step`, larger tips or shorter tasks";
         let help = match budget.saturating_mul(4).min(most) {

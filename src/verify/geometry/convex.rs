@@ -6,7 +6,7 @@
 //! body to a corner of the other (the dual of the least distance of two points). So each line examined gives a lower
 //! bound, and the greatest is exact up to a few roundings.
 
-use crate::geometry::fault::{Fault, through};
+use crate::geometry::fault::{Fault, inject};
 use nalgebra::{Point2, Vector2};
 
 /// The distance between two bodies; infinite if one has no corner.
@@ -17,7 +17,7 @@ pub fn apart_um(one: &[Point2<f64>], other: &[Point2<f64>]) -> f64 {
     let across = sides(one).chain(sides(other)).map(|[a, b]| Vector2::new(a.y - b.y, b.x - a.x));
     let between = one.iter().flat_map(|a| other.iter().map(move |b| b - a));
     let apart_um = across.chain(between).map(|line| gap_um(one, other, line)).fold(0.0, f64::max);
-    through(Fault::JudgedDistance, apart_um)
+    inject(Fault::JudgedDistance, apart_um)
 }
 
 /// Each corner with the next one, and the last with the first.

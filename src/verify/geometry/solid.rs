@@ -5,7 +5,7 @@
 
 use super::super::boxes::Extent;
 use super::convex::{apart_um, nearest_points, sides, towards};
-use crate::geometry::fault::{Fault, through};
+use crate::geometry::fault::{Fault, inject};
 use crate::geometry::shape::MAX_EXTENT_UM;
 use crate::geometry::{Pose, Shape};
 use crate::real::Real;
@@ -42,7 +42,7 @@ impl Solid {
                 Shape::Polygon { points_um } => points_um.len() >= 3,
             };
         let (sin, cos) = pose.heading_rad.sine_cosine();
-        let x_um = through(Fault::JudgedPlace, pose.x_um);
+        let x_um = inject(Fault::JudgedPlace, pose.x_um);
         let place = |[x, y]: &[f64; 2]| Point2::new(x_um + (x * cos - y * sin), pose.y_um + (x * sin + y * cos));
         let corners = corners.iter().map(place).collect();
         let frame = match shape {

@@ -184,8 +184,8 @@ fn faults_in_figures_of_robots_are_noticed() {
 
 #[test]
 fn faults_in_outlines_are_noticed() {
-    refused_for(BEAD, Fault::Spot, [1.0, -0.3], Rule::Pierce);
-    refused_for(BEAD, Fault::Spot, [0.99, 0.0], Rule::Pierce);
+    refused_for(BEAD, Fault::OutlinePoint, [1.0, -0.3], Rule::Pierce);
+    refused_for(BEAD, Fault::OutlinePoint, [0.99, 0.0], Rule::Pierce);
     refused_for(BEAD, Fault::Normal, [1.0, 0.3], Rule::Pierce);
     refused_for(BOTH_PLANES, Fault::Outline, [1.0, 0.04], Rule::State);
     refused_for(LOADED, Fault::Rolled, [1.0, 0.3], Rule::Contact);

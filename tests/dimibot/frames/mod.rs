@@ -208,7 +208,7 @@ fn accepted_programs_never_touch_and_touching_ones_are_refused() {
 }
 
 /// The same task in the robot's own coordinates, and in those of a scene in which the robot is placed elsewhere.
-fn told_twice(random: &mut Random) -> [String; 2] {
+fn in_two_frames(random: &mut Random) -> [String; 2] {
     let stand = [random.thousandths(-20.0, 20.0), random.thousandths(-20.0, 20.0)];
     let heading = random.below(360);
     let turned = |[x, y]: [f64; 2]| {
@@ -244,7 +244,7 @@ fn told_twice(random: &mut Random) -> [String; 2] {
 fn work_costs_the_same_wherever_the_robot_stands() {
     let (mut planned, mut refused) = (0, 0);
     for case in 0..cases(40) {
-        let [own, placed] = told_twice(&mut Random::new(0x0001_F4A3 + case)).map(|text| (build(&text), text));
+        let [own, placed] = in_two_frames(&mut Random::new(0x0001_F4A3 + case)).map(|text| (build(&text), text));
         let codes = |built: &Built| built.codes.iter().filter(|code| **code != "W0201").copied().collect::<Vec<_>>();
         assert_eq!(codes(&own.0), codes(&placed.0), "{}\n{}", own.1, placed.1);
         let (Some(own), Some(there)) = (own.0.schedules.first(), placed.0.schedules.first()) else {

@@ -212,7 +212,7 @@ pub fn nothing_to_disable(facts: &ElectrodeArrayFacts, value: &Value) -> Diagnos
 
 /// Reason why no centre can be at a cell of the board.
 fn no_place(facts: &ElectrodeArrayFacts, cell: ElectrodeCell) -> Option<String> {
-    let map = facts.map.as_ref().filter(|map| facts.holds(cell) && !map.works(cell))?;
+    let map = facts.map.as_ref().filter(|map| facts.is_on_board(cell) && !map.works(cell))?;
     Some(match map.has_electrode(cell) {
         true => format!("the electrode at {cell} is disabled"),
         false => format!("the board has no electrode at {cell}"),

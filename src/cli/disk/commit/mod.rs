@@ -44,7 +44,7 @@ pub struct DiskFault {
 }
 
 /// File operations that change a folder; a trait, so that tests can end a process before any of them.
-pub trait Acts {
+pub trait DiskOps {
     /// Writes a file and synchronises it.
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let mut options = OpenOptions::new();
@@ -55,7 +55,7 @@ pub trait Acts {
     }
 
     /// An error once the process is asked to end. Operations that must be completed do not call it.
-    fn go_on(&self) -> io::Result<()> {
+    fn check_interrupt(&self) -> io::Result<()> {
         Ok(())
     }
 
@@ -80,8 +80,8 @@ pub trait Acts {
 /// The disk as it is.
 pub struct RealDisk;
 
-impl Acts for RealDisk {
-    fn go_on(&self) -> io::Result<()> {
+impl DiskOps for RealDisk {
+    fn check_interrupt(&self) -> io::Result<()> {
         if signals::is_asked() { Err(io::ErrorKind::Interrupted.into()) } else { Ok(()) }
     }
 }
@@ -145,16 +145,16 @@ fn number(_path: &Path) -> Option<u64> {
 /// A folder locked for one build.
 pub struct Folder<'a> {
     path: &'a Path,
-    acts: &'a dyn Acts,
+    ops: &'a dyn DiskOps,
     /// Holds the lock.
     _lock: File,
 }
 
 impl<'a> Folder<'a> {
     /// Waits until no other build uses the folder, and completes the work of a build that was killed.
-    pub fn open(path: &'a Path, acts: &'a dyn Acts) -> Result<Folder<'a>, DiskFault> {
-        let lock = lock(path, acts).map_err(|error| DiskFault { path: path.to_owned(), error })?;
-        let folder = Folder { path, acts, _lock: lock };
+    pub fn open(path: &'a Path, ops: &'a dyn DiskOps) -> Result<Folder<'a>, DiskFault> {
+        let lock = lock(path, ops).map_err(|error| DiskFault { path: path.to_owned(), error })?;
+        let folder = Folder { path, ops, _lock: lock };
         folder.finish()?;
         Ok(folder)
     }
@@ -179,8 +179,8 @@ impl<'a> Folder<'a> {
                 let is_own = |journal: &Journal| journal.is_sound() && journal.is_of(self.path);
                 let journal = journal.filter(is_own).ok_or_else(unsound).map_err(self.fault(JOURNAL))?;
                 self.carry_out(&journal)?;
-                self.acts.remove(&path).map_err(self.fault(JOURNAL))?;
-                self.acts.sync(self.path).map_err(self.fault(""))?;
+                self.ops.remove(&path).map_err(self.fault(JOURNAL))?;
+                self.ops.sync(self.path).map_err(self.fault(""))?;
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => return Err(self.fault(JOURNAL)(error)),
@@ -192,16 +192,16 @@ impl<'a> Folder<'a> {
     fn carry_out(&self, journal: &Journal) -> Result<(), DiskFault> {
         for Move { from, to, .. } in &journal.moves {
             if self.path.join(from).symlink_metadata().is_ok() {
-                self.acts.rename(&self.path.join(from), &self.path.join(to)).map_err(self.fault(to))?;
+                self.ops.rename(&self.path.join(from), &self.path.join(to)).map_err(self.fault(to))?;
             }
         }
         for removal in &journal.remove {
             let path = self.path.join(&removal.name);
             if path.symlink_metadata().is_ok() && number(&path) == removal.number {
-                self.acts.remove(&path).map_err(self.fault(&removal.name))?;
+                self.ops.remove(&path).map_err(self.fault(&removal.name))?;
             }
         }
-        self.acts.sync(self.path).map_err(self.fault(""))
+        self.ops.sync(self.path).map_err(self.fault(""))
     }
 
     /// Removes files that only a build can have left, unless a journal still needs them; one that cannot be removed
@@ -214,7 +214,7 @@ impl<'a> Folder<'a> {
             let is_left = entry.file_name().to_string_lossy().starts_with(PREFIX);
             // If a target was a symbolic link, the old file that was kept is one too.
             if is_left && entry.file_type().is_ok_and(|kind| kind.is_file() || kind.is_symlink()) {
-                let _ = self.acts.remove(&entry.path());
+                let _ = self.ops.remove(&entry.path());
             }
         }
     }
@@ -223,8 +223,8 @@ impl<'a> Folder<'a> {
     pub fn replace(&self, files: &[(&str, &[u8])]) -> Result<(), DiskFault> {
         let replaced = self.stage(files).and_then(|journal| match journal.moves.as_slice() {
             [Move { from, to, .. }] => {
-                self.acts.rename(&self.path.join(from), &self.path.join(to)).map_err(self.fault(to))?;
-                self.acts.sync(self.path).map_err(self.fault(""))
+                self.ops.rename(&self.path.join(from), &self.path.join(to)).map_err(self.fault(to))?;
+                self.ops.sync(self.path).map_err(self.fault(""))
             }
             _ => self.commit(&journal),
         });
@@ -235,40 +235,40 @@ impl<'a> Folder<'a> {
     fn stage(&self, files: &[(&str, &[u8])]) -> Result<Journal, DiskFault> {
         let mut journal = Journal::default();
         for (index, (name, bytes)) in files.iter().enumerate() {
-            self.acts.go_on().map_err(self.fault(name))?;
+            self.ops.check_interrupt().map_err(self.fault(name))?;
             if self.path.join(name).is_dir() {
                 let in_the_way = io::Error::new(io::ErrorKind::IsADirectory, "a folder has that name");
                 return Err(self.fault(name)(in_the_way));
             }
             let staged = format!("{PREFIX}new-{index}");
-            self.acts.write(&self.path.join(&staged), bytes).map_err(self.fault(name))?;
+            self.ops.write(&self.path.join(&staged), bytes).map_err(self.fault(name))?;
             let number = number(&self.path.join(&staged));
             journal.moves.push(Move { from: staged, to: (*name).to_owned(), number });
         }
-        self.acts.go_on().map_err(self.fault(""))?;
+        self.ops.check_interrupt().map_err(self.fault(""))?;
         Ok(journal)
     }
 
     fn commit(&self, journal: &Journal) -> Result<(), DiskFault> {
-        let way_back = self.way_back(journal)?;
-        self.publish(journal)?;
+        let rollback = self.rollback_journal(journal)?;
+        self.activate(journal)?;
         if let Err(fault) = self.carry_out(journal) {
             // The old set becomes valid again before the first of its files is moved back.
-            self.publish(&way_back)?;
+            self.activate(&rollback)?;
             self.finish()?;
             return Err(fault);
         }
-        self.acts.remove(&self.path.join(JOURNAL)).map_err(self.fault(JOURNAL))?;
-        self.acts.sync(self.path).map_err(self.fault(""))
+        self.ops.remove(&self.path.join(JOURNAL)).map_err(self.fault(JOURNAL))?;
+        self.ops.sync(self.path).map_err(self.fault(""))
     }
 
     /// Keeps the old files under second names, and returns the journal that would restore them.
-    fn way_back(&self, journal: &Journal) -> Result<Journal, DiskFault> {
+    fn rollback_journal(&self, journal: &Journal) -> Result<Journal, DiskFault> {
         let mut back = Journal::default();
         for (index, Move { to: name, number: of_new, .. }) in journal.moves.iter().enumerate() {
             let kept = format!("{PREFIX}old-{index}");
             let (target, copy) = (self.path.join(name), self.path.join(&kept));
-            match self.acts.link(&target, &copy) {
+            match self.ops.link(&target, &copy) {
                 Ok(()) => {}
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {
                     back.remove.push(FileRemoval { name: name.clone(), number: *of_new });
@@ -277,7 +277,7 @@ impl<'a> Folder<'a> {
                 // Some file systems have no hard links; the old file is copied there.
                 Err(_) => {
                     let bytes = fs::read(&target).map_err(self.fault(name))?;
-                    self.acts.write(&copy, &bytes).map_err(self.fault(name))?;
+                    self.ops.write(&copy, &bytes).map_err(self.fault(name))?;
                 }
             }
             back.moves.push(Move { from: kept, to: name.clone(), number: number(&copy) });
@@ -286,24 +286,24 @@ impl<'a> Folder<'a> {
     }
 
     /// Makes a journal valid, replacing any other.
-    fn publish(&self, journal: &Journal) -> Result<(), DiskFault> {
+    fn activate(&self, journal: &Journal) -> Result<(), DiskFault> {
         let bytes = serde_json::to_vec(journal).expect("names are JSON");
-        self.acts.write(&self.path.join(DRAFT), &bytes).map_err(self.fault(DRAFT))?;
-        self.acts.sync(self.path).map_err(self.fault(""))?;
-        self.acts.rename(&self.path.join(DRAFT), &self.path.join(JOURNAL)).map_err(self.fault(JOURNAL))?;
-        self.acts.sync(self.path).map_err(self.fault(""))
+        self.ops.write(&self.path.join(DRAFT), &bytes).map_err(self.fault(DRAFT))?;
+        self.ops.sync(self.path).map_err(self.fault(""))?;
+        self.ops.rename(&self.path.join(DRAFT), &self.path.join(JOURNAL)).map_err(self.fault(JOURNAL))?;
+        self.ops.sync(self.path).map_err(self.fault(""))
     }
 }
 
 /// The first name that some file system would take for an earlier one.
-pub fn twice<'n>(names: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+pub fn first_name_collision<'n>(names: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
     let mut met = BTreeSet::new();
     names.into_iter().find(|name| !met.insert(name.to_lowercase()))
 }
 
 /// Locks a folder against other builds and waits for them. The system releases the lock when the process ends, however
 /// it ends.
-fn lock(folder: &Path, acts: &dyn Acts) -> io::Result<File> {
+fn lock(folder: &Path, ops: &dyn DiskOps) -> io::Result<File> {
     let file = match cfg!(unix) {
         true => File::open(folder)?,
         false => OpenOptions::new().create(true).truncate(false).write(true).open(folder.join(".tweeze.lock"))?,
@@ -311,7 +311,7 @@ fn lock(folder: &Path, acts: &dyn Acts) -> io::Result<File> {
     loop {
         match file.try_lock() {
             Ok(()) => return Ok(file),
-            Err(TryLockError::WouldBlock) => acts.go_on()?,
+            Err(TryLockError::WouldBlock) => ops.check_interrupt()?,
             // Some network file systems have no locks; concurrent builds are not separated there.
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => return Ok(file),
             Err(TryLockError::Error(error)) => return Err(error),

@@ -23,7 +23,7 @@ impl Mortal {
     }
 }
 
-impl Acts for Mortal {
+impl DiskOps for Mortal {
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         let is_last = self.left.get() == 1;
         self.live()?;
@@ -66,8 +66,8 @@ fn of(files: &[(&str, &[u8])]) -> Set {
     files.iter().map(|(name, bytes)| ((*name).to_owned(), bytes.to_vec())).collect()
 }
 
-fn write(folder: &Path, acts: &dyn Acts, files: &[(&str, &[u8])]) -> Result<(), DiskFault> {
-    Folder::open(folder, acts).and_then(|folder| folder.replace(files))
+fn write(folder: &Path, ops: &dyn DiskOps, files: &[(&str, &[u8])]) -> Result<(), DiskFault> {
+    Folder::open(folder, ops).and_then(|folder| folder.replace(files))
 }
 
 #[test]
@@ -107,7 +107,7 @@ impl Faulty {
     }
 }
 
-impl Acts for Faulty {
+impl DiskOps for Faulty {
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         self.act().and_then(|()| RealDisk.write(path, bytes))
     }
@@ -173,8 +173,8 @@ struct Asked {
     after: Cell<usize>,
 }
 
-impl Acts for Asked {
-    fn go_on(&self) -> io::Result<()> {
+impl DiskOps for Asked {
+    fn check_interrupt(&self) -> io::Result<()> {
         let left = self.after.get();
         self.after.set(left.saturating_sub(1));
         if left == 0 { Err(io::ErrorKind::Interrupted.into()) } else { Ok(()) }
@@ -205,6 +205,6 @@ fn waiting_for_a_folder_can_be_interrupted() {
 
 #[test]
 fn names_that_some_disks_take_for_one_are_found() {
-    assert_eq!(twice(["go.mcap", "Go.mcap"]), Some("Go.mcap"));
-    assert_eq!(twice(["go.mcap", "go.csv"]), None);
+    assert_eq!(first_name_collision(["go.mcap", "Go.mcap"]), Some("Go.mcap"));
+    assert_eq!(first_name_collision(["go.mcap", "go.csv"]), None);
 }

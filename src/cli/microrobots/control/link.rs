@@ -25,7 +25,7 @@ pub struct Link {
 }
 
 /// Interval at which signals are polled while no line comes, nobody connects, or nobody reads.
-pub const INTERRUPT_LOOK: Duration = Duration::from_millis(20);
+pub const INTERRUPT_POLL: Duration = Duration::from_millis(20);
 
 /// Lines to the peer that carries out commands. A separate thread writes them, so that waiting for a reader can be
 /// interrupted.
@@ -38,7 +38,7 @@ pub struct Answers {
 
 /// Why a line was not sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NotTaken {
+pub enum SendError {
     /// The reader is gone, or did not read in time.
     Unread,
     Interrupted,
@@ -55,22 +55,22 @@ impl Answers {
     ///
     /// # Errors
     /// The line was not written; later lines are refused too.
-    pub fn send(&mut self, text: &str, within: Duration, is_interrupted: impl Fn() -> bool) -> Result<(), NotTaken> {
+    pub fn send(&mut self, text: &str, within: Duration, is_interrupted: impl Fn() -> bool) -> Result<(), SendError> {
         if self.is_stuck || self.texts.send(text.to_owned()).is_err() {
-            return Err(NotTaken::Unread);
+            return Err(SendError::Unread);
         }
         let begun = Instant::now();
         loop {
-            match self.written.recv_timeout(INTERRUPT_LOOK) {
+            match self.written.recv_timeout(INTERRUPT_POLL) {
                 Ok(true) => return Ok(()),
                 Err(RecvTimeoutError::Timeout) if is_interrupted() => {
                     self.is_stuck = true;
-                    return Err(NotTaken::Interrupted);
+                    return Err(SendError::Interrupted);
                 }
                 Err(RecvTimeoutError::Timeout) if begun.elapsed() < within => {}
                 Ok(false) | Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => {
                     self.is_stuck = true;
-                    return Err(NotTaken::Unread);
+                    return Err(SendError::Unread);
                 }
             }
         }
@@ -184,7 +184,7 @@ fn first<C>(accept: impl Fn() -> io::Result<C>, is_interrupted: impl Fn() -> boo
         if is_interrupted() {
             return Ok(None);
         }
-        std::thread::sleep(INTERRUPT_LOOK);
+        std::thread::sleep(INTERRUPT_POLL);
     }
 }
 

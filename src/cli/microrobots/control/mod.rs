@@ -23,7 +23,7 @@ use crate::plan::microrobots::control::{Command, Controller, StopReason};
 use crate::plan::watch::SearchWatch;
 use crate::source::Sources;
 pub use link::Address;
-use link::{Answers, INTERRUPT_LOOK, Incoming, Link, NotTaken};
+use link::{Answers, INTERRUPT_POLL, Incoming, Link, SendError};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
@@ -270,8 +270,8 @@ impl Session<'_> {
     /// The next line, or the reason to wait no longer.
     fn next(&self, incoming: &Receiver<Incoming>) -> Result<Incoming, StopReason> {
         loop {
-            let left = self.late.map_or(INTERRUPT_LOOK, |late| late.saturating_duration_since(Instant::now()));
-            match incoming.recv_timeout(left.min(INTERRUPT_LOOK)) {
+            let left = self.late.map_or(INTERRUPT_POLL, |late| late.saturating_duration_since(Instant::now()));
+            match incoming.recv_timeout(left.min(INTERRUPT_POLL)) {
                 _ if self.interrupt.is_asked() => return Err(StopReason::Interrupted),
                 Ok(incoming) => return Ok(incoming),
                 Err(RecvTimeoutError::Timeout) if self.is_late() => return Err(StopReason::Silence),
@@ -352,8 +352,8 @@ impl Session<'_> {
     fn answer(&mut self, text: &str) -> Result<(), StopReason> {
         let within = Duration::from_nanos(self.order.facts.watchdog_ns());
         self.answers.send(text, within, || self.interrupt.is_asked()).map_err(|why| match why {
-            NotTaken::Unread => StopReason::Unread,
-            NotTaken::Interrupted => StopReason::Interrupted,
+            SendError::Unread => StopReason::Unread,
+            SendError::Interrupted => StopReason::Interrupted,
         })
     }
 

@@ -311,7 +311,7 @@ fn switched_on<'a>(
     let schedule = verified.schedule();
     let cells = |channel: &Channel| {
         let name = channel.name.strip_prefix(device).filter(|_| channel.device == device)?.strip_prefix('.')?;
-        facts.electrode(name).map(|first| facts.lit_with(first))
+        facts.electrode(name).map(|first| facts.working_on_channel_of(first))
     };
     let of_channel: Vec<Vec<ElectrodeCell>> =
         schedule.channels.iter().map(|channel| cells(channel).unwrap_or_default()).collect();

@@ -83,7 +83,7 @@ fn ends(entity: &mut SceneEntity, order: &FingersOrder) {
     let Ok(curve) = Curve::of(&order.part.xy.outline) else { return };
     let mark_um = drawing::snapped(2.0 * order.facts.tip_radius_um * MARK_PART);
     for (name, way_um) in [("I", 0.0), ("J", curve.opposite_um())] {
-        let place = solid::in_space(Plane::Xy, curve.spot(way_um).point_um);
+        let place = solid::in_space(Plane::Xy, curve.point_at(way_um).point_um);
         drawing::sphere(entity, place, mark_um, color::TIP);
         drawing::text(entity, place, name.to_owned(), color::TIP);
     }
@@ -164,7 +164,7 @@ fn contacts(order: &FingersOrder, grasp: &RecordedGrasp, curve: Option<&Curve>, 
     let forces_un = fingers::forces(order, grasp.state).unwrap_or_default();
     for (finger, contact) in grasp.contacts.iter().enumerate().filter(|(_, contact)| **contact > 0) {
         let rolled_rad = f64::from(contact - 1) * section.step_rad;
-        let spot = curve.spot(curve.way_rolled_um(rolled_rad, tip_um));
+        let spot = curve.point_at(curve.way_rolled_um(rolled_rad, tip_um));
         let place = solid::in_space(grasp.plane, spot.point_um);
         drawing::sphere(&mut entity, place, drawing::snapped(2.0 * tip_um * MARK_PART), color_of(finger));
         if let Some(force_un) = forces_un.get(finger).copied().flatten() {

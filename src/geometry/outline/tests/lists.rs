@@ -12,7 +12,7 @@ fn smoothed(points: &[[f64; 2]]) -> Curve {
 /// Greatest distance of a curve from another.
 fn off(one: &Curve, other: &Curve) -> f64 {
     let count = 700;
-    let place = |step: i32| one.spot(one.perimeter_um() * f64::from(step) / f64::from(count)).point_um;
+    let place = |step: i32| one.point_at(one.perimeter_um() * f64::from(step) / f64::from(count)).point_um;
     (0..count).map(|step| other.nearest(place(step)).distance_um.abs()).fold(0.0, f64::max)
 }
 
@@ -32,7 +32,7 @@ fn a_fine_polygon_is_kept() {
     let concave = curve(&lobed(3.0, 0.2));
     let count = 20_000;
     let points: Vec<[f64; 2]> = (0..count)
-        .map(|step| concave.spot(concave.perimeter_um() * f64::from(step) / f64::from(count)).point_um)
+        .map(|step| concave.point_at(concave.perimeter_um() * f64::from(step) / f64::from(count)).point_um)
         .collect();
     assert!(off(&smoothed(&points), &concave) < 5e-3);
 }

@@ -77,7 +77,7 @@ fn a_circle_is_exact() {
     assert!((curve.perimeter_um() - 28.0 * PI).abs() < 1e-10);
     for step in -100..200 {
         let way = f64::from(step) * 1.37;
-        let (spot, angle) = (curve.spot(way), way / 14.0);
+        let (spot, angle) = (curve.point_at(way), way / 14.0);
         assert!((spot.point_um[0] - 14.0 * angle.cos()).abs() < 1e-8);
         assert!((spot.point_um[1] - 14.0 * angle.sin()).abs() < 1e-8);
         assert!((spot.normal_rad - angle).abs() < 1e-9, "{} {angle}", spot.normal_rad);
@@ -97,7 +97,7 @@ fn ways_points_normals_and_curvatures_agree() {
         for step in 0..count {
             // Across the joints of rounded rectangles, differences of curvature are of first order.
             let (way, small) = ((f64::from(step) + 0.37) * perimeter / f64::from(count), 1e-4);
-            let [before, spot, after] = [way - small, way, way + small].map(|way| curve.spot(way));
+            let [before, spot, after] = [way - small, way, way + small].map(|way| curve.point_at(way));
             let moved = minus(after.point_um, before.point_um);
             assert!((norm(moved) / (2.0 * small) - 1.0).abs() < 2e-6, "{outline:?} {way} {}", norm(moved));
             let (s, c) = spot.normal_rad.sin_cos();
@@ -121,7 +121,7 @@ fn ways_are_lengths() {
     for outline in all() {
         let curve = curve(&outline);
         let length = |count: usize| -> f64 {
-            let point = |step: usize| curve.spot(curve.perimeter_um() * step as f64 / count as f64).point_um;
+            let point = |step: usize| curve.point_at(curve.perimeter_um() * step as f64 / count as f64).point_um;
             (0..count).map(|step| norm(minus(point(step + 1), point(step)))).sum()
         };
         let (coarse, fine) = (length(4000), length(8000));
@@ -136,9 +136,9 @@ fn the_normal_turns_just_once() {
         let curve = curve(&outline);
         let perimeter = curve.perimeter_um();
         for way in [0.0, 0.3, 11.1, 40.0] {
-            let turned = curve.spot(way + perimeter).normal_rad - curve.spot(way).normal_rad;
+            let turned = curve.point_at(way + perimeter).normal_rad - curve.point_at(way).normal_rad;
             assert!((turned - TAU).abs() < 1e-9, "{outline:?} {turned}");
-            let back = curve.spot(way - 3.0 * perimeter).normal_rad - curve.spot(way).normal_rad;
+            let back = curve.point_at(way - 3.0 * perimeter).normal_rad - curve.point_at(way).normal_rad;
             assert!((back + 3.0 * TAU).abs() < 1e-8, "{outline:?} {back}");
         }
         let rolled = curve.rolled_rad(perimeter, TIP_UM);
@@ -169,7 +169,7 @@ fn rolling_and_its_inverse_agree() {
         for odd in [f64::NAN, f64::INFINITY, 1e300] {
             curve.way_rolled_um(odd, TIP_UM);
             curve.way_rolled_um(1.0, odd);
-            curve.spot(odd);
+            curve.point_at(odd);
             curve.nearest([odd, 1.0]);
         }
     }
@@ -179,7 +179,7 @@ fn rolling_and_its_inverse_agree() {
 fn it_begins_where_the_x_axis_leaves_it() {
     for outline in all() {
         let curve = curve(&outline);
-        let (begin, opposite) = (curve.spot(0.0), curve.spot(curve.opposite_um()));
+        let (begin, opposite) = (curve.point_at(0.0), curve.point_at(curve.opposite_um()));
         assert!(begin.point_um[0] > 0.0 && begin.point_um[1].abs() < 1e-9, "{outline:?} {begin:?}");
         assert!(opposite.point_um[0] < 0.0 && opposite.point_um[1].abs() < 1e-7, "{outline:?} {opposite:?}");
         assert!(begin.normal_rad.abs() < PI);
@@ -204,21 +204,21 @@ fn the_farthest_of_several_places_counts() {
         [0.0, 8.0],
     ];
     let ahead = curve(&spline(&points));
-    let begin = ahead.spot(0.0).point_um;
+    let begin = ahead.point_at(0.0).point_um;
     assert!(begin[0] > 19.0 && begin[1].abs() < 1e-9, "{begin:?}");
     let mut clockwise = points;
     clockwise.reverse();
     let back = curve(&spline(&clockwise));
     for step in 0..100 {
         let way = f64::from(step);
-        assert!(norm(minus(ahead.spot(way).point_um, back.spot(way).point_um)) < 1e-6);
+        assert!(norm(minus(ahead.point_at(way).point_um, back.point_at(way).point_um)) < 1e-6);
     }
     assert!(ahead.area_um2() > 0.0 && (ahead.area_um2() - back.area_um2()).abs() < 1e-9);
 }
 
 /// The least distance from sampled points of the curve, first with coarse steps, then with fine ones.
 fn brute(curve: &Curve, point: [f64; 2]) -> f64 {
-    let at = |way: f64| norm(minus(curve.spot(way).point_um, point));
+    let at = |way: f64| norm(minus(curve.point_at(way).point_um, point));
     let step = curve.perimeter_um() / 4000.0;
     let best = (0..4000).map(|at| f64::from(at) * step).min_by(|a, b| at(*a).total_cmp(&at(*b))).unwrap();
     let fine = (-1000..=1000).map(|part| at(best + f64::from(part) * step / 500.0));
@@ -235,7 +235,7 @@ fn the_nearest_place_is_that_of_brute_force() {
             let (found, wanted) = (curve.nearest(point), brute(&curve, point));
             assert!((found.distance_um.abs() - wanted).abs() < 1e-5, "{outline:?} {point:?} {found:?} {wanted}");
             assert!(found.distance_um.abs() < wanted + 1e-9, "{outline:?} {point:?} {found:?} {wanted}");
-            let spot = curve.spot(found.way_um);
+            let spot = curve.point_at(found.way_um);
             assert!((norm(minus(point, spot.point_um)) - found.distance_um.abs()).abs() < 1e-7);
         }
     }
@@ -250,7 +250,7 @@ fn the_nearest_place_of_a_tip_is_its_contact() {
         let tip = if least < -1e-6 { (-0.6 / least).min(2.0) } else { TIP_UM };
         for _ in 0..200 {
             let way = (dice.signed_unit() + 1.0) / 2.0 * curve.perimeter_um();
-            let spot = curve.spot(way);
+            let spot = curve.point_at(way);
             for side in [1.0, -1e-3] {
                 let (s, c) = spot.normal_rad.sin_cos();
                 let centre = [spot.point_um[0] + side * tip * c, spot.point_um[1] + side * tip * s];
@@ -270,10 +270,10 @@ fn a_rounded_rectangle_has_exact_normals() {
     assert!((curve.area_um2() - (800.0 - (4.0 - PI) * 9.0)).abs() < 1e-9);
     assert!((curve.reach_um() - (17.0_f64.hypot(7.0) + 3.0)).abs() < 1e-10);
     assert_eq!(curve.least_curvature_per_um(), 0.0);
-    assert_eq!(curve.spot(6.9).normal_rad, 0.0);
-    let corner = curve.spot(7.0 + 3.0 * PI / 4.0);
+    assert_eq!(curve.point_at(6.9).normal_rad, 0.0);
+    let corner = curve.point_at(7.0 + 3.0 * PI / 4.0);
     assert!((corner.normal_rad - PI / 4.0).abs() < 1e-12 && (corner.curvature_per_um - 1.0 / 3.0).abs() < 1e-12);
-    assert!((curve.spot(7.0 + 3.0 * FRAC_PI_2 + 17.0).normal_rad - FRAC_PI_2).abs() < 1e-12);
+    assert!((curve.point_at(7.0 + 3.0 * FRAC_PI_2 + 17.0).normal_rad - FRAC_PI_2).abs() < 1e-12);
     let above = curve.nearest([4.0, 12.5]);
     assert!((above.distance_um - 2.5).abs() < 1e-12);
 }
@@ -283,7 +283,7 @@ fn a_superellipse_keeps_its_equation() {
     for exponent in [2.0, 2.3, 4.0, 10.0] {
         let curve = curve(&Outline::Superellipse { semi_um: [18.0, 11.0], exponent });
         for step in 0..500 {
-            let [x, y] = curve.spot(f64::from(step) * 0.173).point_um;
+            let [x, y] = curve.point_at(f64::from(step) * 0.173).point_um;
             let sum = (x / 18.0).abs().powf(exponent) + (y / 11.0).abs().powf(exponent);
             assert!((sum - 1.0).abs() < 1e-12);
         }
@@ -300,7 +300,7 @@ fn a_spline_of_an_ellipse_is_near_it() {
     for count in [32, 64, 128] {
         let close = curve(&spline(&round(count, |angle| [a * angle.cos(), b * angle.sin()])));
         let off = (0..880)
-            .map(|step| exact.nearest(close.spot(f64::from(step) * 0.1).point_um).distance_um.abs())
+            .map(|step| exact.nearest(close.point_at(f64::from(step) * 0.1).point_um).distance_um.abs())
             .fold(0.0, f64::max);
         // Fourth-order convergence, apart from rounding.
         assert!(off < before / 12.0 + 1e-9, "{count}: {off} after {before}");
@@ -394,7 +394,9 @@ fn whatever_the_numbers_it_comes_to_an_end() {
             [r * angle.cos(), r * angle.sin()]
         });
         if let Ok(curve) = Curve::of(&spline(&rings)) {
-            assert!((curve.spot(curve.perimeter_um()).normal_rad - curve.spot(0.0).normal_rad - TAU).abs() < 1e-9);
+            assert!(
+                (curve.point_at(curve.perimeter_um()).normal_rad - curve.point_at(0.0).normal_rad - TAU).abs() < 1e-9
+            );
         }
         drop(Curve::of(&Outline::Ellipse { semi_um: [scale, scale * scale] }));
         drop(Curve::of(&Outline::Superellipse {

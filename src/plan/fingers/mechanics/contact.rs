@@ -86,7 +86,7 @@ impl<'a> Contacts<'a> {
     }
 
     fn at(&self, rolled_rad: f64) -> Contact {
-        let spot = self.curve.spot(self.curve.way_rolled_um(rolled_rad, self.tip_radius_um));
+        let spot = self.curve.point_at(self.curve.way_rolled_um(rolled_rad, self.tip_radius_um));
         let (sin, cos) = spot.normal_rad.sine_cosine();
         let [x, y] = spot.point_um;
         let tip_um = [x + self.tip_radius_um * cos, y + self.tip_radius_um * sin];

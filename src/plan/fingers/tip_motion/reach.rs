@@ -168,11 +168,12 @@ impl Rim {
     /// makes this an eighth of the tolerance.
     fn of(curve: &Curve, facts: &FingersFacts) -> Rim {
         let perimeter_um = curve.perimeter_um();
-        let coarse = (0..256).map(|index| curve.spot(perimeter_um * f64::from(index) / 256.0).curvature_per_um.abs());
+        let coarse =
+            (0..256).map(|index| curve.point_at(perimeter_um * f64::from(index) / 256.0).curvature_per_um.abs());
         let bend_per_um = coarse.fold(1.0 / facts.tip_radius_um, f64::max) + 1.0 / facts.tip_radius_um;
         let spacing_um = (facts.tolerance_um / bend_per_um).sqrt();
         let count = (perimeter_um / spacing_um).ceil().clamp(SAMPLES[0], SAMPLES[1]);
-        let point = |index: u32| Vector2::from(curve.spot(perimeter_um * f64::from(index) / count).point_um);
+        let point = |index: u32| Vector2::from(curve.point_at(perimeter_um * f64::from(index) / count).point_um);
         let points_um: Vec<Vector2<f64>> = (0..count as u32).map(point).collect();
         let blocks = points_um.chunks(BLOCK).map(circle).collect();
         Rim { points_um, blocks }

@@ -14,7 +14,7 @@ pub const MAX_CHORDS: f64 = 4096.0;
 
 /// The centre of a tip in contact at a rolling coordinate, and the direction of the normal there, in the section's coordinates.
 pub fn tip(curve: &Curve, facts: &FingersFacts, rolled_rad: f64) -> (Vector2<f64>, f64) {
-    let spot = curve.spot(curve.way_rolled_um(rolled_rad, facts.tip_radius_um));
+    let spot = curve.point_at(curve.way_rolled_um(rolled_rad, facts.tip_radius_um));
     let (sin, cos) = spot.normal_rad.sine_cosine();
     (Vector2::from(spot.point_um) + Vector2::new(cos, sin) * facts.tip_radius_um, spot.normal_rad)
 }

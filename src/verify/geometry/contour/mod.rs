@@ -11,7 +11,7 @@ mod piece;
 #[cfg(test)]
 mod tests;
 
-use crate::geometry::fault::{Fault, through};
+use crate::geometry::fault::{Fault, inject};
 use crate::geometry::outline::Outline;
 use crate::real::Real;
 use piece::{ContourJet, Piece};
@@ -86,7 +86,7 @@ pub struct Foot {
 impl Foot {
     /// Turn of a part while a tip of this radius rolls from the start of the outline to here.
     pub fn turn_of_tip_rad(&self, tip_radius_um: f64) -> f64 {
-        through(Fault::JudgedRoll, self.turned_rad + self.arc_length_um / tip_radius_um)
+        inject(Fault::JudgedRoll, self.turned_rad + self.arc_length_um / tip_radius_um)
     }
 }
 
@@ -268,9 +268,9 @@ impl Contour {
         let sign = if gap_um[0] * y - gap_um[1] * x < 0.0 { -1.0 } else { 1.0 };
         Foot {
             arc_length_um: node.arc_length_um + arc_um(piece, [span.from_t, t]) + lap * self.round_um(),
-            distance_um: through(Fault::JudgedOutline, sign * length(gap_um)),
+            distance_um: inject(Fault::JudgedOutline, sign * length(gap_um)),
             point_um: jet.point_um,
-            normal_rad: through(Fault::JudgedNormal, (-x).arc_tangent_over(y)),
+            normal_rad: inject(Fault::JudgedNormal, (-x).arc_tangent_over(y)),
             turned_rad: turned_rad + lap * TAU,
             curvature_per_um: piece.curvature_per_um(t, &jet),
         }

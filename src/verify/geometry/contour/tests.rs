@@ -67,12 +67,12 @@ proptest! {
     fn tips_touch_at_the_same_places(outline in outline(), off in 0.0..TAU, far in 0.3..3.0f64) {
         let (contour, curve) = both(&outline);
         let near = NEAR * curve.perimeter_um().max(10.0);
-        let place = curve.spot(off / TAU * curve.perimeter_um()).point_um.map(|part| part * far);
+        let place = curve.point_at(off / TAU * curve.perimeter_um()).point_um.map(|part| part * far);
         let (judged, planned) = (contour.foot(place).expect("a place"), curve.nearest(place));
         prop_assert!((judged.distance_um - planned.distance_um).abs() <= near, "{judged:?} {planned:?}");
         // If several points are equally near, either is correct; the verifier's must be one of them.
         prop_assert!((length(minus(place, judged.point_um)) - judged.distance_um.abs()).abs() <= near);
-        let spot = curve.spot(judged.arc_length_um);
+        let spot = curve.point_at(judged.arc_length_um);
         prop_assert!(length(minus(spot.point_um, judged.point_um)) <= near);
         let turn = (spot.normal_rad - judged.normal_rad).rem_euclid(TAU);
         // Arc lengths are accurate to a length, so directions are accurate to that length over the radius of
@@ -91,7 +91,7 @@ proptest! {
         let round_um = curve.perimeter_um();
         let near = NEAR * round_um.max(10.0);
         let arc_length_um = off * round_um;
-        let spot = curve.spot(arc_length_um + step * round_um);
+        let spot = curve.point_at(arc_length_um + step * round_um);
         let radius_um = out * round_um / 10.0;
         let tip_um = [spot.point_um[0] + radius_um * spot.normal_rad.cos(), spot.point_um[1] + radius_um * spot.normal_rad.sin()];
         let foot = contour.foot_near(tip_um, arc_length_um).expect("a place");

@@ -173,7 +173,7 @@ impl Day {
     /// Position of the tip on a contact, moved off by `out_um` along the normal.
     pub fn seat_um(&self, rolled_rad: f64, out_um: f64) -> Point {
         let (curve, radius_um) = (self.curve(), self.order.facts.tip_radius_um);
-        let spot = curve.spot(curve.way_rolled_um(rolled_rad, radius_um));
+        let spot = curve.point_at(curve.way_rolled_um(rolled_rad, radius_um));
         let (y, x) = spot.normal_rad.sin_cos();
         let off_um = radius_um + out_um;
         let [first, second] = self.axes();

@@ -12,7 +12,7 @@ fn integrated(curve: &Curve, mut centre: Vector2<f64>, turn_rad: f64) -> Vector2
         let turned = |v: Vector2<f64>, by: f64| nalgebra::Rotation2::new(by) * v;
         let own = turned(centre, -angle_rad);
         let way_um = curve.nearest([own.x, own.y]).way_um;
-        let contact = turned(Vector2::from(curve.spot(way_um).point_um), angle_rad);
+        let contact = turned(Vector2::from(curve.point_at(way_um).point_um), angle_rad);
         Vector2::new(-contact.y, contact.x)
     };
     let h = turn_rad / f64::from(STEPS);

@@ -1,15 +1,15 @@
-//! Slips that are recognised by their shape. Each gets one diagnostic with its fix, where the general ones could only
-//! name the place at which parsing stopped.
+//! Mistakes that are recognised by their shape. Each gets one diagnostic with its fix, where the general ones could
+//! only name the place at which parsing stopped.
 
-use super::around::{self, part, quote, token_at};
+use super::context::{self, part, quote, token_at};
 use super::errors::ListPlace;
-use super::habits;
+use super::foreign_syntax;
 use super::tree::{Expr, ExprKind, Field};
 use super::words::{PREPOSITIONS, end_of_word, is_name, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
-/// Diagnoses an unreadable entry of a block, if it is a known slip.
+/// Diagnoses an unreadable entry of a block, if it is a known mistake.
 pub(super) fn entry(span: Span, place: ListPlace, source: &str) -> Option<Diagnostic> {
     let text = &source[span.range()];
     if let Some(finding) = foreign_comment(span, text) {
@@ -20,7 +20,7 @@ pub(super) fn entry(span: Span, place: ListPlace, source: &str) -> Option<Diagno
         ListPlace::Scene => {
             object_name(span, text).or_else(|| object_without_at(span, text)).or_else(|| shape_behind_place(span, text))
         }
-        ListPlace::Steps => habits::step(span, source),
+        ListPlace::Steps => foreign_syntax::step(span, source),
         ListPlace::Fields => None,
     }
 }
@@ -40,7 +40,7 @@ pub(super) fn equals_in_wire(field: &Field, source: &str) -> Option<Diagnostic> 
         Diagnostic::new(Code::E0119, format!("`{sign}` where `->` belongs"))
             .label(mark, "`->` goes between a channel and its output")
             .help(format!("write `{name} -> {}`", quote(output)))
-            .mended(mark, "->"),
+            .with_fix(mark, "->"),
     )
 }
 
@@ -69,7 +69,7 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
     // Several words may be a path with a slip in it; quoted, it would be a plain name and lead to no instrument.
     let is_sure =
         is_path || is_indexed || bare.starts_with('"') || output.chars().all(|c| is_word(c) || "/-".contains(c));
-    let mend = match is_sure {
+    let fix = match is_sure {
         true => format!("write `{} -> {}`", &text[..channel], quote(&quoted)),
         false => "write an output of an instrument as `card.port0.line0`, and any other name in quotes".to_owned(),
     };
@@ -77,9 +77,9 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
     if sign != "->" {
         let finding = Diagnostic::new(Code::E0119, format!("`{sign}` where `->` belongs"))
             .label(part(span, start, start + sign.len()), "`->` goes between a channel and its output")
-            .help(mend);
+            .help(fix);
         let whole = part(span, span.start as usize + channel, span.start as usize + text.trim_end().len());
-        return Some(if is_sure { finding.mended(whole, format!(" -> {quoted}")) } else { finding });
+        return Some(if is_sure { finding.with_fix(whole, format!(" -> {quoted}")) } else { finding });
     }
     let at = span.start as usize + (text.len() - rest[sign.len()..].trim_start().len());
     let next = output[path.len()..].trim_start();
@@ -90,7 +90,7 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
             Diagnostic::new(Code::E0103, format!("a comma is missing before `{}`", quote(token)))
                 .label(part(span, next_at, next_at + token.len()), "the wire before this is complete")
                 .help("separate wires with commas, or write each on a line of its own")
-                .mended(part(span, behind, behind), ","),
+                .with_fix(part(span, behind, behind), ","),
         );
     }
     (quoted != output && !output.is_empty() && !output.starts_with('"')).then(|| {
@@ -98,8 +98,8 @@ fn wire(span: Span, source: &str) -> Option<Diagnostic> {
             true => ("an index in round brackets", "an index belongs in `[ ]`"),
             false => ("an output without quotes", "an output is a string"),
         };
-        let finding = Diagnostic::new(Code::E0101, title).label(part(span, at, at + output.len()), note).help(mend);
-        if is_sure { finding.mended_here(quoted) } else { finding }
+        let finding = Diagnostic::new(Code::E0101, title).label(part(span, at, at + output.len()), note).help(fix);
+        if is_sure { finding.with_fix_here(quoted) } else { finding }
     })
 }
 
@@ -132,7 +132,7 @@ fn comment_behind(span: Span, at: usize, mark: &str, words: &str) -> Diagnostic 
     Diagnostic::new(Code::E0125, format!("a comment that begins with `{mark}`"))
         .label(part(span, at, at + mark.len()), "comments begin with `//`")
         .help(format!("write `// {}`", quote(words)))
-        .mended_here("//")
+        .with_fix_here("//")
 }
 
 /// `obstacle glass-bead …`, `obstacle 1bead …`.
@@ -148,13 +148,13 @@ fn object_name(span: Span, text: &str) -> Option<Diagnostic> {
     }
     let letters: String = name.chars().map(|c| if is_word(c) { c } else { '_' }).collect();
     let digits = letters.len() - letters.trim_start_matches(|c: char| c.is_ascii_digit()).len();
-    let mended = format!("{}{}", &letters[digits..], &letters[..digits]);
+    let fixed = format!("{}{}", &letters[digits..], &letters[..digits]);
     let at = span.start as usize + (text.len() - rest.len());
     Some(
         Diagnostic::new(Code::E0110, format!("`{}` is not a valid name", quote(name)))
             .label(part(span, at, at + name.len()), "names consist of letters, digits and `_`, and begin with a letter")
-            .help(format!("write `{noun} {}`", quote(&mended)))
-            .mended_here(mended),
+            .help(format!("write `{noun} {}`", quote(&fixed)))
+            .with_fix_here(fixed),
     )
 }
 
@@ -162,7 +162,7 @@ fn object_name(span: Span, text: &str) -> Option<Diagnostic> {
 /// line.
 pub(super) fn word_before_name(span: Span, source: &str) -> Option<(Diagnostic, Span)> {
     let start = span.start as usize;
-    let line = around::after(source, start).lines().next().unwrap_or_default();
+    let line = context::after(source, start).lines().next().unwrap_or_default();
     let words: Vec<&str> = line.split([' ', '\t']).filter(|word| !word.is_empty()).take(3).collect();
     let [noun, extra, name] = words[..] else { return None };
     let is_extra = is_name(noun) && (extra == noun || matches!(extra, "the" | "an" | "a"));
@@ -179,7 +179,7 @@ pub(super) fn word_before_name(span: Span, source: &str) -> Option<(Diagnostic, 
     let finding = Diagnostic::new(Code::E0101, title)
         .label(part(span, at, at + extra.len()), "expected a name")
         .help(format!("write `{noun} {name}`"))
-        .mended(part(span, at, next), "");
+        .with_fix(part(span, at, next), "");
     let end = start + line.find(['}', ';']).filter(|_| !line.contains('{')).unwrap_or(line.len());
     Some((finding, part(span, start, end.max(span.end as usize))))
 }
@@ -204,7 +204,7 @@ pub(super) fn object_without_at(span: Span, text: &str) -> Option<Diagnostic> {
         Diagnostic::new(Code::E0101, "`at` is missing")
             .label(part(span, at, span.start as usize + line.len()), "expected `at` before the place of an object")
             .help(format!("write `{} at {}`", quote(before), quote(&line[place..])))
-            .mended(part(span, at, at), gap)
+            .with_fix(part(span, at, at), gap)
     })
 }
 
@@ -219,18 +219,18 @@ fn shape_behind_place(span: Span, text: &str) -> Option<Diagnostic> {
         return None;
     }
     let whole = part(span, span.start as usize, span.start as usize + line.len());
-    let mended = format!("{object} : {shape} at {place}");
+    let fixed = format!("{object} : {shape} at {place}");
     Some(
         Diagnostic::new(Code::E0101, "a shape after the place of its object")
             .label(part(span, span.start as usize + colon, span.start as usize + line.len()), "belongs before `at`")
-            .help(format!("write `{}`", quote(&mended)))
-            .mended(whole, mended),
+            .help(format!("write `{}`", quote(&fixed)))
+            .with_fix(whole, fixed),
     )
 }
 
 /// Where the value at the end of a line begins, after `to`, `at`, `from`, `via` or `visit`.
 fn places_from(before: &str) -> Option<usize> {
-    let seen = before.len() - around::before(before, before.len()).len();
+    let seen = before.len() - context::before(before, before.len()).len();
     let line = before[seen..].rfind('\n').map_or(seen, |end| seen + end + 1);
     let words = [" to ", " at ", " from ", " via ", "visit "];
     let at = words.iter().filter_map(|word| before[line..].rfind(word).map(|at| line + at + word.len())).max()?;
@@ -245,7 +245,7 @@ pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
     let is_value = source[span.range()].starts_with(|c: char| c.is_ascii_digit() || c == '(');
     let before = source[..span.start as usize].trim_end_matches([' ', '\t']).strip_suffix(',').filter(|_| is_value)?;
     let start = places_from(before)?;
-    let line = around::after(source, start).lines().next().unwrap_or_default();
+    let line = context::after(source, start).lines().next().unwrap_or_default();
     let end = line.find(['}', '{']).unwrap_or(line.len());
     let written = line[..end].split("//").next().unwrap_or_default();
     // `move to 19, 28 via (3, 4)`: the place ends before the next word.
@@ -255,7 +255,7 @@ pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
     let written = written[..end].trim_end_matches([' ', '\t', ';']);
     let place = part(span, start, start + written.len());
     let is_via = before[..start].trim_end().ends_with(" via");
-    let (title, mend, brackets) = match written.starts_with('(') {
+    let (title, fix, brackets) = match written.starts_with('(') {
         true if is_via => ("places without a word between them", repeated_via(written), None),
         true if before[..start].trim_end().ends_with("move to") => {
             let help =
@@ -268,17 +268,17 @@ pub(super) fn rest_of_place(span: Span, source: &str) -> Option<Diagnostic> {
             let help = format!("write `({}`", quote(written));
             let finding =
                 Diagnostic::new(Code::E0114, "`(` is missing").label(place, "expected `(` before this").help(help);
-            return Some(finding.mended(part(place, place.start as usize, place.start as usize), "("));
+            return Some(finding.with_fix(part(place, place.start as usize, place.start as usize), "("));
         }
         false => ("coordinates without brackets around them", format!("write `({})`", quote(written)), Some("()")),
     };
-    let finding = Diagnostic::new(Code::E0127, title).label(place, "a comma ends an entry here").help(mend);
+    let finding = Diagnostic::new(Code::E0127, title).label(place, "a comma ends an entry here").help(fix);
     Some(match brackets {
         Some(brackets) => {
             let start = part(place, place.start as usize, place.start as usize);
-            finding.mended(start, &brackets[..1]).mended(place.after(), &brackets[1..])
+            finding.with_fix(start, &brackets[..1]).with_fix(place.after(), &brackets[1..])
         }
-        None => finding.mended_here(places_with_via(written)),
+        None => finding.with_fix_here(places_with_via(written)),
     })
 }
 
@@ -307,8 +307,8 @@ pub(super) fn let_without_brackets(value: Span, rest: Span, source: &str) -> Opt
         Diagnostic::new(Code::E0127, "values without brackets around them")
             .label(whole, "a comma ends a declaration here")
             .help(format!("write `{open}{}{close}`", quote(written)))
-            .mended(part(whole, whole.start as usize, whole.start as usize), open)
-            .mended(whole.after(), close),
+            .with_fix(part(whole, whole.start as usize, whole.start as usize), open)
+            .with_fix(whole.after(), close),
     )
 }
 
@@ -325,7 +325,7 @@ pub(super) fn sort_of_let(span: Span, text: &str) -> Option<Diagnostic> {
         Diagnostic::new(Code::E0124, "`let` takes no sort")
             .label(part(span, at, end), "the sort follows from the value")
             .help(format!("write `let {name} = {}`", quote(value.lines().next().unwrap_or_default())))
-            .mended_here(""),
+            .with_fix_here(""),
     )
 }
 
@@ -339,7 +339,7 @@ pub(super) fn level_on(step: Span, source: &str) -> Option<Diagnostic> {
         Diagnostic::new(Code::E0122, "`on` is not a level of an output")
             .label(part(step, end - "on".len(), end), "expected `high` or `low`")
             .help(format!("write `set {} to high`", quote(name)))
-            .mended_here(if words.len() == 4 { "high" } else { "to high" }),
+            .with_fix_here(if words.len() == 4 { "high" } else { "to high" }),
     )
 }
 
@@ -356,7 +356,7 @@ pub(super) fn blank_in_name(span: Span, text: &str) -> Option<Diagnostic> {
                 "names contain no spaces",
             )
             .help(format!("write `{}: {}`", quote(&words.join("_")), quote(value)))
-            .mended_here(words.join("_"))
+            .with_fix_here(words.join("_"))
     })
 }
 
@@ -364,7 +364,7 @@ pub(super) fn blank_in_name(span: Span, text: &str) -> Option<Diagnostic> {
 pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) -> Option<Diagnostic> {
     let token = token_at(&source[..span.end as usize], at);
     let place = part(span, at, at + token.len());
-    if around::line_before(source, at).ends_with('%') {
+    if context::line_before(source, at).ends_with('%') {
         let finding = Diagnostic::new(Code::E0101, "`%` is the unit per cent, not a remainder");
         return Some(
             finding
@@ -375,7 +375,7 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
     if let Some((_, right)) = [("=<", "<="), ("=>", ">=")].into_iter().find(|(wrong, _)| *wrong == token) {
         let finding = Diagnostic::new(Code::E0101, format!("`{token}` is not a comparison"));
         let finding = finding.label(place, "`=` comes last").help(format!("write `{right}`"));
-        return Some(finding.mended_here(right));
+        return Some(finding.with_fix_here(right));
     }
     if token == ":" && open == Some('(') {
         return Some(
@@ -391,7 +391,7 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
             finding.help("steps run one after the other: write the next one after a comma, or on a line of its own"),
         );
     }
-    if around::line_before(source, at).trim_start().starts_with("avoid contamination ") {
+    if context::line_before(source, at).trim_start().starts_with("avoid contamination ") {
         let finding = Diagnostic::new(Code::E0101, "contamination is avoided in one direction at a time");
         return Some(
             finding
@@ -409,14 +409,14 @@ pub(super) fn in_value(span: Span, at: usize, open: Option<char>, source: &str) 
 
 /// `(4.0 um 2.5 um)`, in a bracket that is open at byte `at`.
 fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diagnostic> {
-    let rest = around::after(source, at);
+    let rest = context::after(source, at);
     let is_number = rest.starts_with(|c: char| c.is_ascii_digit());
     let length = rest.find(|c: char| !(is_word(c) || (is_number && c == '.'))).unwrap_or(rest.len());
     let token = &rest[..length.max(token_at(rest, 0).len())];
     if !token.starts_with(|c: char| is_word(c) || c == '(') {
         return None;
     }
-    let before = around::code_end_before(source, at);
+    let before = context::code_end_before(source, at);
     if source[..before].ends_with(',') {
         return None;
     }
@@ -443,13 +443,13 @@ fn missing_comma(span: Span, at: usize, open: char, source: &str) -> Option<Diag
         Diagnostic::new(Code::E0101, format!("a comma is missing before `{}`", quote(token)))
             .label(part(span, at, at + token.len()), "the value before this is complete")
             .help(help)
-            .mended(part(span, before, before), ","),
+            .with_fix(part(span, before, before), ","),
     )
 }
 
 /// `state [1 1 0]`: the arms of a control state written as a vector.
 fn state_in_brackets(span: Span, before: usize, open: char, source: &str) -> Option<Diagnostic> {
-    let start = before - around::before(source, before).len();
+    let start = before - context::before(source, before).len();
     let begun = start + source[start..before].rfind(open)?;
     let line = source[begun..].lines().next()?;
     let digits = &line[open.len_utf8()..line.find([']', ')'])?];
@@ -464,20 +464,20 @@ fn state_in_brackets(span: Span, before: usize, open: char, source: &str) -> Opt
         Diagnostic::new(Code::E0101, "a state in brackets")
             .label(whole, "the arms of a state are digits of one number")
             .help(format!("write `0b{arms}`, or the number of the state"))
-            .mended(whole, format!("0b{arms}")),
+            .with_fix(whole, format!("0b{arms}")),
     )
 }
 
 /// `move(to (1, 1))`, where parsing stopped at the preposition.
 fn step_in_brackets(span: Span, at: usize, token: &str, source: &str) -> Option<Diagnostic> {
     PREPOSITIONS.contains(&token).then_some(())?;
-    let seen = around::before(source, at);
+    let seen = context::before(source, at);
     let begin = at - seen.len() + seen.rfind('\n').map_or(0, |end| end + 1);
-    let line = around::after(source, begin).lines().next()?.split("//").next()?;
+    let line = context::after(source, begin).lines().next()?.split("//").next()?;
     let step = line.trim();
     let (verb, inner) = step.split_once('(')?;
     let inner = inner.strip_suffix(')').filter(|_| !verb.is_empty() && verb.chars().all(is_word))?;
-    let mended = format!("{verb} {inner}");
+    let fixed = format!("{verb} {inner}");
     let begin = begin + (line.len() - line.trim_start().len());
     Some(
         Diagnostic::new(Code::E0101, "a step takes no brackets")
@@ -485,8 +485,8 @@ fn step_in_brackets(span: Span, at: usize, token: &str, source: &str) -> Option<
                 part(span, begin + verb.len(), begin + verb.len() + 1),
                 "what the step does follows its verb directly",
             )
-            .help(format!("write `{}`", quote(&mended)))
-            .mended(part(span, begin, begin + step.len()), mended),
+            .help(format!("write `{}`", quote(&fixed)))
+            .with_fix(part(span, begin, begin + step.len()), fixed),
     )
 }
 
@@ -532,7 +532,7 @@ pub(super) fn missing_brace(mark: Span, head: &str) -> Diagnostic {
     if head.ends_with('{') {
         return finding.help("the `{` here belongs to a string or a comment");
     }
-    finding.help(format!("write `{} {{`", quote(head))).mended(mark.after(), " {")
+    finding.help(format!("write `{} {{`", quote(head))).with_fix(mark.after(), " {")
 }
 
 /// `0,8` with a comma in place of the decimal point.
@@ -540,7 +540,7 @@ pub(super) fn decimal_comma(span: Span, written: &str) -> Diagnostic {
     Diagnostic::new(Code::E0116, format!("a decimal comma in `{}`", quote(written)))
         .label(span, "numbers use a decimal point")
         .help(format!("write `{}`", quote(&written.replacen(',', ".", 1))))
-        .mended_here(written.replacen(',', ".", 1))
+        .with_fix_here(written.replacen(',', ".", 1))
 }
 
 /// The decimal commas in a place such as `(3,2 um, 5,9 um)`: each follows a whole number without a unit, has no space
@@ -557,14 +557,14 @@ pub(super) fn decimal_commas(values: &[Expr], source: &str) -> Vec<Span> {
 
 /// A place with decimal commas.
 pub(super) fn comma_coordinates(place: Span, commas: &[Span], source: &str) -> Diagnostic {
-    let mut mended = source[place.range()].to_owned();
+    let mut fixed = source[place.range()].to_owned();
     for comma in commas {
         let at = (comma.start - place.start) as usize;
-        mended.replace_range(at..=at, ".");
+        fixed.replace_range(at..=at, ".");
     }
     let finding = Diagnostic::new(Code::E0116, "decimal commas in a place").label(place, "numbers use a decimal point");
-    let finding = finding.help(format!("write `{}`", quote(&mended)));
-    commas.iter().fold(finding, |finding, comma| finding.mended(*comma, "."))
+    let finding = finding.help(format!("write `{}`", quote(&fixed)));
+    commas.iter().fold(finding, |finding, comma| finding.with_fix(*comma, "."))
 }
 
 /// `1,000`, which may mean a thousand or one.

@@ -11,7 +11,7 @@ const CONFUSED: [&str; 7] = ["V", "A", "J", "W", "N", "C", "F"];
 /// A unit of the required dimension that differs from the written one by one power, such as `g/cm^3` from `g/cm^2`,
 /// or by the name after its prefix, such as `mJ` from `mW`; `None` if there is none: any other unit would change the
 /// meaning of the number.
-pub fn meant(written: &str, dimension: Dimension) -> Option<String> {
+pub fn suggest(written: &str, dimension: Dimension) -> Option<String> {
     with_another_power(written, dimension).or_else(|| with_another_name(written, dimension))
 }
 
@@ -45,8 +45,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_slip_keeps_the_size_of_what_is_written() {
-        let of = |written: &str, dimension| meant(written, dimension);
+    fn a_suggestion_keeps_the_size_of_what_is_written() {
+        let of = |written: &str, dimension| suggest(written, dimension);
         assert_eq!(of("g/cm^2", Dimension::DENSITY).as_deref(), Some("g/cm^3"));
         assert_eq!(of("kg/m", Dimension::DENSITY).as_deref(), Some("kg/m^3"));
         assert_eq!(of("mm^2", Dimension::LENGTH).as_deref(), Some("mm"));

@@ -1,4 +1,4 @@
-//! The pieces of a text: words, signs, comments and line ends, without the spaces between them.
+//! The tokens of a text: words, signs, comments and line ends, without the spaces between them.
 
 use super::marks::Marks;
 use crate::quantity;
@@ -6,9 +6,9 @@ use crate::syntax::is_word;
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Kind of a piece, as far as spacing depends on it.
+/// Kind of a token, as far as spacing depends on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum PieceKind {
+pub(super) enum TokenKind {
     /// A name or a reserved word.
     Word,
     /// A number, a string, or a word such as `0b01`.
@@ -45,13 +45,13 @@ pub(super) enum PieceKind {
     Kept,
 }
 
-impl PieceKind {
+impl TokenKind {
     pub fn is_comment(self) -> bool {
-        matches!(self, PieceKind::Comment | PieceKind::Doc)
+        matches!(self, TokenKind::Comment | TokenKind::Doc)
     }
 
     pub fn is_break(self) -> bool {
-        matches!(self, PieceKind::Break | PieceKind::Gap)
+        matches!(self, TokenKind::Break | TokenKind::Gap)
     }
 
     /// Whether it is part of the program; comments and line ends are not.
@@ -63,56 +63,56 @@ impl PieceKind {
     pub fn goes_on(self) -> bool {
         matches!(
             self,
-            PieceKind::Colon
-                | PieceKind::Equals
-                | PieceKind::Arrow
-                | PieceKind::Range
-                | PieceKind::Operator
-                | PieceKind::Power
-                | PieceKind::Minus
+            TokenKind::Colon
+                | TokenKind::Equals
+                | TokenKind::Arrow
+                | TokenKind::Range
+                | TokenKind::Operator
+                | TokenKind::Power
+                | TokenKind::Minus
         )
     }
 }
 
-/// A piece of the text.
+/// A token of the text.
 #[derive(Debug, Clone)]
-pub(super) struct TextPiece<'t> {
-    pub kind: PieceKind,
+pub(super) struct FormatToken<'t> {
+    pub kind: TokenKind,
     pub text: Cow<'t, str>,
 }
 
-impl TextPiece<'_> {
+impl FormatToken<'_> {
     pub fn is_brace(&self) -> bool {
-        self.kind == PieceKind::Open && self.text == "{"
+        self.kind == TokenKind::Open && self.text == "{"
     }
 }
 
-/// Cuts a text into pieces.
-struct Cutter<'t, 'm> {
+/// Splits a text into tokens.
+struct Tokenizer<'t, 'm> {
     text: &'t str,
     at: usize,
     units: &'m [(u32, u32)],
     operators: &'m [u32],
     joints: &'m [u32],
-    pieces: Vec<TextPiece<'t>>,
+    tokens: Vec<FormatToken<'t>>,
 }
 
-/// Cuts a text into pieces; `kept` are ranges of whole lines. `None` if something in between is not Tweeze syntax.
-pub(super) fn pieces<'t>(text: &'t str, marks: &Marks, kept: &[Range<usize>]) -> Option<Vec<TextPiece<'t>>> {
+/// Splits a text into tokens; `kept` are ranges of whole lines. `None` if something in between is not Tweeze syntax.
+pub(super) fn tokens<'t>(text: &'t str, marks: &Marks, kept: &[Range<usize>]) -> Option<Vec<FormatToken<'t>>> {
     let (units, operators, joints) = (&marks.units[..], &marks.operators[..], &marks.joints[..]);
     let start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
-    let mut cutter = Cutter { text, at: start, units, operators, joints, pieces: Vec::new() };
+    let mut tokenizer = Tokenizer { text, at: start, units, operators, joints, tokens: Vec::new() };
     let mut kept = kept.iter().peekable();
-    while cutter.at < text.len() {
+    while tokenizer.at < text.len() {
         match kept.peek() {
-            Some(lines) if lines.contains(&cutter.at) => {
-                cutter.take(PieceKind::Kept, lines.end);
+            Some(lines) if lines.contains(&tokenizer.at) => {
+                tokenizer.take(TokenKind::Kept, lines.end);
                 kept.next();
             }
-            _ => cutter.next()?,
+            _ => tokenizer.next()?,
         }
     }
-    Some(cutter.pieces)
+    Some(tokenizer.tokens)
 }
 
 /// Drops the leading offsets that are before `at`; returns whether the next one is at `at`.
@@ -125,18 +125,18 @@ fn reaches(list: &mut &[u32], at: usize) -> bool {
     list.first().is_some_and(|first| *first as usize == at)
 }
 
-impl<'t> Cutter<'t, '_> {
-    fn take(&mut self, kind: PieceKind, end: usize) {
-        self.pieces.push(TextPiece { kind, text: Cow::Borrowed(&self.text[self.at..end]) });
+impl<'t> Tokenizer<'t, '_> {
+    fn take(&mut self, kind: TokenKind, end: usize) {
+        self.tokens.push(FormatToken { kind, text: Cow::Borrowed(&self.text[self.at..end]) });
         self.at = end;
     }
 
     fn next(&mut self) -> Option<()> {
         let (at, rest) = (self.at, &self.text[self.at..]);
         if let Some(end) = self.unit() {
-            self.take(PieceKind::Unit, end);
-            if let Some(piece) = self.pieces.last_mut() {
-                piece.text = quantity::canonical_unit(&self.text[at..end]);
+            self.take(TokenKind::Unit, end);
+            if let Some(token) = self.tokens.last_mut() {
+                token.text = quantity::canonical_unit(&self.text[at..end]);
             }
             return Some(());
         }
@@ -147,10 +147,10 @@ impl<'t> Cutter<'t, '_> {
             '/' if rest.starts_with("//") => self.comment(),
             '"' => {
                 let end = at + 1 + rest[1..].find(['"', '\n'])?;
-                self.take(PieceKind::Literal, end + 1);
+                self.take(TokenKind::Literal, end + 1);
             }
-            '0'..='9' => self.take(PieceKind::Literal, at + number(rest)),
-            c if is_word(c) => self.take(PieceKind::Word, end_of(is_word)),
+            '0'..='9' => self.take(TokenKind::Literal, at + number(rest)),
+            c if is_word(c) => self.take(TokenKind::Word, end_of(is_word)),
             _ => {
                 let (kind, length) = self.sign()?;
                 self.take(kind, at + length);
@@ -174,7 +174,7 @@ impl<'t> Cutter<'t, '_> {
         let blank = &rest[..rest.len() - rest.trim_start_matches([' ', '\t', '\r', '\n']).len()];
         let ends = blank.bytes().filter(|byte| *byte == b'\n').count();
         let last = blank.rfind('\n').unwrap_or_default();
-        let kind = if ends > 1 { PieceKind::Gap } else { PieceKind::Break };
+        let kind = if ends > 1 { TokenKind::Gap } else { TokenKind::Break };
         self.take(kind, self.at + last + 1);
     }
 
@@ -183,38 +183,38 @@ impl<'t> Cutter<'t, '_> {
         let line = rest.lines().next().unwrap_or_default();
         let is_doc = line.starts_with("///") && !line.starts_with("////");
         let end = self.at + rest.find('\n').unwrap_or(rest.len());
-        self.take(if is_doc { PieceKind::Doc } else { PieceKind::Comment }, end);
-        if let Some(piece) = self.pieces.last_mut() {
-            piece.text = Cow::Borrowed(line.trim_end());
+        self.take(if is_doc { TokenKind::Doc } else { TokenKind::Comment }, end);
+        if let Some(token) = self.tokens.last_mut() {
+            token.text = Cow::Borrowed(line.trim_end());
         }
     }
 
     /// The sign at the current position, and its length.
-    fn sign(&mut self) -> Option<(PieceKind, usize)> {
+    fn sign(&mut self) -> Option<(TokenKind, usize)> {
         let (at, rest) = (self.at, &self.text[self.at..]);
         let pairs = [
-            ("->", PieceKind::Arrow),
-            ("..", PieceKind::Range),
-            ("==", PieceKind::Operator),
-            ("!=", PieceKind::Operator),
-            ("<=", PieceKind::Operator),
-            (">=", PieceKind::Operator),
+            ("->", TokenKind::Arrow),
+            ("..", TokenKind::Range),
+            ("==", TokenKind::Operator),
+            ("!=", TokenKind::Operator),
+            ("<=", TokenKind::Operator),
+            (">=", TokenKind::Operator),
         ];
         if let Some((_, kind)) = pairs.into_iter().find(|(sign, _)| rest.starts_with(sign)) {
             return Some((kind, 2));
         }
         let kind = match rest.as_bytes().first()? {
-            b'(' | b'[' if reaches(&mut self.joints, at) => PieceKind::Joint,
-            b'(' | b'[' | b'{' => PieceKind::Open,
-            b')' | b']' | b'}' => PieceKind::Close,
-            b',' => PieceKind::Comma,
-            b':' => PieceKind::Colon,
-            b'=' => PieceKind::Equals,
-            b'.' => PieceKind::Dot,
-            b'|' => PieceKind::Bar,
-            b'^' => PieceKind::Power,
-            b'-' if !reaches(&mut self.operators, at) => PieceKind::Minus,
-            b'+' | b'-' | b'*' | b'/' | b'<' | b'>' => PieceKind::Operator,
+            b'(' | b'[' if reaches(&mut self.joints, at) => TokenKind::Joint,
+            b'(' | b'[' | b'{' => TokenKind::Open,
+            b')' | b']' | b'}' => TokenKind::Close,
+            b',' => TokenKind::Comma,
+            b':' => TokenKind::Colon,
+            b'=' => TokenKind::Equals,
+            b'.' => TokenKind::Dot,
+            b'|' => TokenKind::Bar,
+            b'^' => TokenKind::Power,
+            b'-' if !reaches(&mut self.operators, at) => TokenKind::Minus,
+            b'+' | b'-' | b'*' | b'/' | b'<' | b'>' => TokenKind::Operator,
             _ => return None,
         };
         Some((kind, 1))
@@ -246,64 +246,64 @@ fn number(text: &str) -> usize {
 
 /// Removes commas that separate nothing, moves each other comma to the line of what precedes it, and moves doc
 /// comments before what they document, on lines of their own.
-pub(super) fn without_idle_commas(pieces: Vec<TextPiece>) -> Vec<TextPiece> {
-    let mut kept: Vec<TextPiece> = Vec::with_capacity(pieces.len());
+pub(super) fn without_idle_commas(tokens: Vec<FormatToken>) -> Vec<FormatToken> {
+    let mut kept: Vec<FormatToken> = Vec::with_capacity(tokens.len());
     // For each open bracket, whether it is a brace.
     let mut open: Vec<bool> = Vec::new();
-    for piece in pieces {
+    for token in tokens {
         let is_list = open.last() == Some(&false);
-        match piece.kind {
-            PieceKind::Open | PieceKind::Joint => open.push(piece.is_brace()),
-            PieceKind::Close => {
+        match token.kind {
+            TokenKind::Open | TokenKind::Joint => open.push(token.is_brace()),
+            TokenKind::Close => {
                 open.pop();
                 drop_last_comma(&mut kept, is_list);
                 empty(&mut kept);
             }
-            PieceKind::Comma if is_list => {
-                let code = kept.iter().rposition(|piece| piece.kind.is_code()).map_or(0, |last| last + 1);
-                kept.insert(code, piece);
+            TokenKind::Comma if is_list => {
+                let code = kept.iter().rposition(|token| token.kind.is_code()).map_or(0, |last| last + 1);
+                kept.insert(code, token);
                 continue;
             }
-            PieceKind::Comma if !separates(&kept) => continue,
-            PieceKind::Break | PieceKind::Gap | PieceKind::Comment if !is_list => drop_last_comma(&mut kept, false),
-            PieceKind::Doc if !is_list => {
+            TokenKind::Comma if !separates(&kept) => continue,
+            TokenKind::Break | TokenKind::Gap | TokenKind::Comment if !is_list => drop_last_comma(&mut kept, false),
+            TokenKind::Doc if !is_list => {
                 drop_last_comma(&mut kept, false);
-                if kept.last().is_some_and(|piece| piece.kind.is_code()) {
-                    kept.push(TextPiece { kind: PieceKind::Break, text: Cow::Borrowed("\n") });
+                if kept.last().is_some_and(|token| token.kind.is_code()) {
+                    kept.push(FormatToken { kind: TokenKind::Break, text: Cow::Borrowed("\n") });
                 }
             }
             _ => {}
         }
         // The line ends around a comma that was alone on its line.
-        if piece.kind.is_break() && kept.last().is_some_and(|last| last.kind.is_break()) {
-            kept.pop_if(|last| last.kind == PieceKind::Break);
-            if kept.last().is_some_and(|last| last.kind == PieceKind::Gap) {
+        if token.kind.is_break() && kept.last().is_some_and(|last| last.kind.is_break()) {
+            kept.pop_if(|last| last.kind == TokenKind::Break);
+            if kept.last().is_some_and(|last| last.kind == TokenKind::Gap) {
                 continue;
             }
         }
-        kept.push(piece);
+        kept.push(token);
     }
     drop_last_comma(&mut kept, false);
     kept
 }
 
-/// Whether a comma after these pieces of a block separates two entries of one line.
-fn separates(kept: &[TextPiece]) -> bool {
-    kept.last().is_some_and(|piece| piece.kind.is_code() && piece.kind != PieceKind::Comma && !piece.is_brace())
+/// Whether a comma after these tokens of a block separates two entries of one line.
+fn separates(kept: &[FormatToken]) -> bool {
+    kept.last().is_some_and(|token| token.kind.is_code() && token.kind != TokenKind::Comma && !token.is_brace())
 }
 
 /// Drops trailing line ends if only an opening bracket is before them.
-fn empty(kept: &mut Vec<TextPiece>) {
-    let last = kept.iter().rposition(|piece| !piece.kind.is_break());
-    if let Some(last) = last.filter(|last| matches!(kept[*last].kind, PieceKind::Open | PieceKind::Joint)) {
+fn empty(kept: &mut Vec<FormatToken>) {
+    let last = kept.iter().rposition(|token| !token.kind.is_break());
+    if let Some(last) = last.filter(|last| matches!(kept[*last].kind, TokenKind::Open | TokenKind::Joint)) {
         kept.truncate(last + 1);
     }
 }
 
 /// Drops a trailing comma; in a list, comments and line ends may follow it.
-fn drop_last_comma(kept: &mut Vec<TextPiece>, is_list: bool) {
-    let last = kept.iter().rposition(|piece| !is_list || piece.kind.is_code());
-    if let Some(last) = last.filter(|last| kept[*last].kind == PieceKind::Comma) {
+fn drop_last_comma(kept: &mut Vec<FormatToken>, is_list: bool) {
+    let last = kept.iter().rposition(|token| !is_list || token.kind.is_code());
+    if let Some(last) = last.filter(|last| kept[*last].kind == TokenKind::Comma) {
         kept.remove(last);
     }
 }

@@ -1,6 +1,6 @@
 //! Habits from other languages; each gets one diagnostic that shows the equivalent in Tweeze.
 
-use super::around::{self, after, line_after, line_before, part, quote, token_at, value_in, with_blanks};
+use super::context::{self, after, line_after, line_before, part, quote, token_at, value_in, with_blanks};
 use super::words::{PREPOSITIONS, is_word};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
@@ -27,7 +27,7 @@ pub(super) fn step(span: Span, source: &str) -> Option<Diagnostic> {
             Diagnostic::new(Code::E0119, "`=` where `to` belongs")
                 .label(sign, "`to` goes between an output and its level")
                 .help(format!("write `set {name} to {}`", quote(level)))
-                .mended(with_blanks(sign, source), " to ")
+                .with_fix(with_blanks(sign, source), " to ")
         });
     }
     let argument = rest.strip_prefix('(')?.trim_start();
@@ -82,7 +82,7 @@ pub(super) fn list(span: Span, at: usize, source: &str) -> Option<Diagnostic> {
         Diagnostic::new(Code::E0122, "a matrix")
             .label(whole, "from another language")
             .help(format!("write a list of places, `{}`", quote(&list)))
-            .mended(whole, list)
+            .with_fix(whole, list)
     })
 }
 
@@ -107,7 +107,7 @@ pub(super) fn import(span: Span, text: &str) -> Option<Diagnostic> {
         Diagnostic::new(Code::E0122, "`from … import` is not part of the language")
             .label(span, "from another language")
             .help(format!("write `use std.{}`", quote(file)))
-            .mended(span, format!("use std.{file}")),
+            .with_fix(span, format!("use std.{file}")),
     )
 }
 
@@ -127,7 +127,7 @@ pub(super) fn name(rest: Span, source: &str) -> Option<Diagnostic> {
                     "names consist of letters, digits and `_`",
                 )
                 .help(format!("write `{}`", quote(&written)))
-                .mended_here(written)
+                .with_fix_here(written)
         });
     }
     let inside = text.strip_prefix('"')?.split('"').next()?;
@@ -136,7 +136,7 @@ pub(super) fn name(rest: Span, source: &str) -> Option<Diagnostic> {
         Diagnostic::new(Code::E0110, "a name in quotes")
             .label(part(rest, start, start + inside.len() + 2), "names are written without quotes")
             .help(format!("write `{}`", quote(inside)))
-            .mended_here(inside)
+            .with_fix_here(inside)
     })
 }
 
@@ -206,7 +206,7 @@ pub(super) fn comparison_in_words(words: Span, entry: usize, sign: &str, source:
     Diagnostic::new(Code::E0122, format!("`{}` where `{sign}` belongs", quote(&source[words.range()])))
         .label(words, "a comparison is written as a sign")
         .help(format!("write `{} {sign} {}`", quote(figure), quote(limit)))
-        .mended_here(sign)
+        .with_fix_here(sign)
 }
 
 /// Diagnoses a whole step worded differently from the verb's form; returns the finding and the span that it covers.
@@ -230,9 +230,9 @@ pub(super) fn whole_step(step: Span, source: &str) -> Option<(Diagnostic, Span)>
 /// `detect drop at window forr 2 s`: the word after a step is a preposition with one wrong letter. Returns the finding
 /// and the span of the step with the rest of its line.
 pub(super) fn misspelt_behind(step: Span, source: &str) -> Option<(Diagnostic, Span)> {
-    let at = around::blanks_end(source, step.end as usize);
+    let at = context::blanks_end(source, step.end as usize);
     let word = token_at(source, at);
-    let behind = around::blanks_end(source, at + word.len());
+    let behind = context::blanks_end(source, at + word.len());
     let takes_more = source[behind..].starts_with(|c: char| is_word(c) || matches!(c, '(' | '['));
     if word.len() < 3 || at == step.end as usize || behind == at + word.len() || !takes_more {
         return None;
@@ -248,7 +248,7 @@ fn misspelt(place: Span, word: &str, right: &str) -> Diagnostic {
     Diagnostic::new(Code::E0509, format!("no step takes `{}`", quote(word)))
         .label(place, "expected a preposition")
         .help(format!("did you mean `{right}`?"))
-        .mended(place, right)
+        .with_fix(place, right)
 }
 
 fn is_name(text: &str) -> bool {
@@ -277,8 +277,8 @@ fn merged(step: Span, text: &str, words: &[&str]) -> Option<Diagnostic> {
         return Some(finding.help(format!("write `{} CELL`, with the cell where they meet", quote(&merge))));
     }
     let place = text.split(" at ").nth(1).unwrap_or_default();
-    let mend = if wrong == "," { " with" } else { "with" };
-    Some(finding.help(format!("write `{} {}`", quote(&merge), quote(value_in(place.trim())))).mended_here(mend))
+    let fix = if wrong == "," { " with" } else { "with" };
+    Some(finding.help(format!("write `{} {}`", quote(&merge), quote(value_in(place.trim())))).with_fix_here(fix))
 }
 
 /// `split sample into a, b`, `split sample`.
@@ -305,7 +305,7 @@ fn assembled(step: Span, line: &str, text: &str, rest: &str) -> Option<Diagnosti
     let place = part(step, at, step.end as usize);
     let finding = Diagnostic::new(Code::E0509, "`assemble` takes braces").label(place, "robots belong in the braces");
     if line[text.len()..].trim_start().starts_with('{') {
-        return Some(finding.help("write `assemble {`: the entries name the robots").mended_here(""));
+        return Some(finding.help("write `assemble {`: the entries name the robots").with_fix_here(""));
     }
     let goals: Vec<String> = names.iter().map(|name| format!("{name} to POSE")).collect();
     Some(finding.help(format!("write `assemble {{ {} }}`, with the pose of each", quote(&goals.join(", ")))))

@@ -1,7 +1,7 @@
 //! Diagnoses the place where parsing of an entry stopped: a superfluous word, a missing word, or a word used for
 //! another.
 
-use super::around::{
+use super::context::{
     blanks_end, code_end_before, line_after, line_before, part, quote, token_at, token_before_sign, value_in,
     with_blanks,
 };
@@ -35,11 +35,11 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
         return Diagnostic::new(Code::E0101, "`...` does not continue a line")
             .label(part(span, at - 2, at + 1), "not part of the language")
             .help("remove it: a line continues after an operator or inside brackets")
-            .mended(part(span, at - 2, at + 1), "");
+            .with_fix(part(span, at - 2, at + 1), "");
     }
     let finding = Diagnostic::new(Code::E0101, format!("`{token}` does not belong here")).label(place, wanted);
     if let Some((ours, help)) = preposition(token) {
-        return finding.help(help).mended(place, ours);
+        return finding.help(help).with_fix(place, ours);
     }
     if token == "and" {
         return joined_by_and(place, text);
@@ -55,7 +55,7 @@ pub(super) fn stopped(span: Span, at: usize, wants_value: bool, open: Option<cha
         return Diagnostic::new(Code::E0101, format!("`{word}` is not a preposition"))
             .label(word_place, "expected a preposition")
             .help(help)
-            .mended(word_place, ours);
+            .with_fix(word_place, ours);
     }
     if line.ends_with('}') && PREPOSITIONS.contains(&token) {
         return finding.help("write an index in `[ ]`, as in `drop[2]`; a block ends the step");
@@ -81,7 +81,7 @@ pub(super) fn joined_by_and(word: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0101, "`and` does not join steps")
         .label(word, "the step before this ends here")
         .help("write a comma instead, or each step on a line of its own")
-        .mended(with_blanks(word, text), ", ")
+        .with_fix(with_blanks(word, text), ", ")
 }
 
 /// `drop(2)`; the bracket opens at byte `bracket`.
@@ -91,8 +91,8 @@ pub(super) fn round_index(whole: Span, bracket: usize, text: &str) -> Diagnostic
     Diagnostic::new(Code::E0101, "an index in round brackets")
         .label(part(whole, bracket, end), "an index belongs in `[ ]`, and counts from 0")
         .help(format!("write `{name}[{}]`", quote(index)))
-        .mended(part(whole, bracket, bracket + 1), "[")
-        .mended(part(whole, end - 1, end), "]")
+        .with_fix(part(whole, bracket, bracket + 1), "[")
+        .with_fix(part(whole, end - 1, end), "]")
 }
 
 /// A value after a step without its preposition, such as the time in `mix a at (5, 3) 3 s`; `value` is its first word.
@@ -130,7 +130,7 @@ pub(super) fn word_missing(value: Span, line: &str, text: &str) -> Option<Diagno
     Some(match word.filter(|word| !has(word)) {
         Some(word) => finding
             .help(format!("write `{} {word} {}`", quote(line), quote(rest)))
-            .mended(part(value, before, at), format!(" {word} ")),
+            .with_fix(part(value, before, at), format!(" {word} ")),
         None => finding.help("write the word that introduces it, or remove it; a new step begins on a new line"),
     })
 }
@@ -146,7 +146,7 @@ pub(super) fn article(word: Span, text: &str) -> Diagnostic {
     Diagnostic::new(Code::E0101, format!("`{}` is not part of the language", &text[word.range()]))
         .label(word, "names take no article")
         .help("remove it")
-        .mended(part(word, word.start as usize, end), "")
+        .with_fix(part(word, word.start as usize, end), "")
 }
 
 /// Foreign prepositions and their equivalents in Tweeze.
@@ -183,9 +183,9 @@ fn in_requirement(token_span: Span, line: &str, token: &str) -> Option<Diagnosti
             )
         }
         "=" if step.trim_end().ends_with("==") => {
-            Some(found("`===` does not compare", "one `=` too many").help("write `==`").mended_here(""))
+            Some(found("`===` does not compare", "one `=` too many").help("write `==`").with_fix_here(""))
         }
-        "=" => Some(found("`=` does not compare", "sets a value").help("write `==`").mended_here("==")),
+        "=" => Some(found("`=` does not compare", "sets a value").help("write `==`").with_fix_here("==")),
         "and" => Some(
             found("`and` does not join conditions", "one condition each")
                 .help("write a separate `require` for each, one per line: all of them must hold"),

@@ -26,16 +26,16 @@ pub(super) fn token_at(text: &str, offset: usize) -> &str {
 }
 
 /// Bytes around a mistake in which a message looks for words to repeat: a line may be a megabyte long.
-const SIGHT_BYTES: usize = 512;
+const SEARCH_WINDOW_BYTES: usize = 512;
 
-/// The text before an offset, at most `SIGHT_BYTES`.
+/// The text before an offset, at most `SEARCH_WINDOW_BYTES`.
 pub(super) fn before(text: &str, offset: usize) -> &str {
-    &text[text.floor_char_boundary(offset.saturating_sub(SIGHT_BYTES))..offset]
+    &text[text.floor_char_boundary(offset.saturating_sub(SEARCH_WINDOW_BYTES))..offset]
 }
 
-/// The text from an offset on, at most `SIGHT_BYTES`.
+/// The text from an offset on, at most `SEARCH_WINDOW_BYTES`.
 pub(super) fn after(text: &str, offset: usize) -> &str {
-    &text[offset..text.ceil_char_boundary((offset + SIGHT_BYTES).min(text.len()))]
+    &text[offset..text.ceil_char_boundary((offset + SEARCH_WINDOW_BYTES).min(text.len()))]
 }
 
 /// End of the last code before an offset; spaces, line ends and comments are skipped.

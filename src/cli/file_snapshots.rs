@@ -6,26 +6,26 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Modification time and length of a file; `None` if there is no file.
-type Glance = Option<(Option<SystemTime>, u64)>;
+type FileSnapshot = Option<(Option<SystemTime>, u64)>;
 
 /// Snapshots of files, each taken when the file was first looked at. A caller that takes the snapshot before it reads
 /// the file misses no change.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Glances(BTreeMap<PathBuf, Glance>);
+pub struct FileSnapshots(BTreeMap<PathBuf, FileSnapshot>);
 
-impl Glances {
+impl FileSnapshots {
     /// Takes snapshots of files now.
-    pub fn of<'f>(files: impl IntoIterator<Item = &'f PathBuf>) -> Glances {
-        Glances(files.into_iter().map(|file| (file.clone(), glance(file))).collect())
+    pub fn of<'f>(files: impl IntoIterator<Item = &'f PathBuf>) -> FileSnapshots {
+        FileSnapshots(files.into_iter().map(|file| (file.clone(), snapshot(file))).collect())
     }
 
     /// Takes a snapshot of a file, unless there is one already.
-    pub fn look_at(&mut self, file: &Path) {
-        self.0.entry(file.to_owned()).or_insert_with(|| glance(file));
+    pub fn record(&mut self, file: &Path) {
+        self.0.entry(file.to_owned()).or_insert_with(|| snapshot(file));
     }
 
     /// Adds the snapshots of other files; for a file in both, the snapshot here stays.
-    pub fn add(&mut self, others: Glances) {
+    pub fn add(&mut self, others: FileSnapshots) {
         others.0.into_iter().for_each(|(file, seen)| {
             self.0.entry(file).or_insert(seen);
         });
@@ -33,8 +33,8 @@ impl Glances {
 
     /// New snapshots of the same files.
     #[must_use]
-    pub fn again(&self) -> Glances {
-        Glances::of(self.0.keys())
+    pub fn retaken(&self) -> FileSnapshots {
+        FileSnapshots::of(self.0.keys())
     }
 
     pub fn files(&self) -> impl Iterator<Item = &Path> {
@@ -47,6 +47,6 @@ impl Glances {
     }
 }
 
-fn glance(file: &Path) -> Glance {
+fn snapshot(file: &Path) -> FileSnapshot {
     fs::metadata(file).ok().map(|found| (found.modified().ok(), found.len()))
 }
