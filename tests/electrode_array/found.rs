@@ -256,7 +256,7 @@ fn who_goes_on_where_another_was_meanwhile_is_washed_for() {
 #[test]
 fn a_plan_that_leaves_a_part_on_an_obstacle_of_the_next_scene_is_named() {
     let said = refused(&found("ea_left_on_an_obstacle"));
-    assert!(said.contains("E0530: `a` is at (3, 1) by then, on obstacle `o`"), "{said}");
+    assert!(said.contains("E0530: `a` is then at (3, 1), on obstacle `o`"), "{said}");
 }
 
 #[test]

@@ -194,7 +194,7 @@ fn groups(deep: usize) -> String {
 fn groups_deeper_than_a_log_can_hold_are_refused_by_the_checker() {
     let bench = Bench::new();
     bench.write("a.twz", groups(40)).write("b.twz", groups(28));
-    says(&bench.run(&["build", "a.twz"]).code(1).err, &["E0207", "more than 60 groups of runs"]);
+    says(&bench.run(&["build", "a.twz"]).code(1).err, &["E0207", "groups of runs are nested more than 60 deep"]);
     bench.run(&["build", "b.twz"]).code(DONE);
     bench.run(&["verify", "p0.mcap", "--against", "b.twz"]).code(DONE);
 }

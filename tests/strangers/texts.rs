@@ -7,7 +7,7 @@ fn brackets_too_deep_that_end_lines_below_are_reported() {
     for name in ["panic-too-deep.twz", "panic-too-deep-string.twz"] {
         let bench = Bench::new();
         bench.write("a.twz", found(name));
-        says(&bench.run(&["check", "a.twz"]).code(ERRORS).err, &["E0120", "nested more than 64 deep"]);
+        says(&bench.run(&["check", "a.twz"]).code(ERRORS).err, &["E0120", "nested more than 64 levels deep"]);
     }
 }
 
@@ -47,7 +47,7 @@ fn comparing_lists_has_an_end() {
     // A list is compared with itself by identity; another one must be traversed.
     check(&found("hang-list-equality.twz")).code(DONE);
     let two = format!("{}{}let q = a12 == b12\n", lists("a", 12), lists("b", 12));
-    says(&check(&two).code(ERRORS).err, &["E0314", "more than 50000000 steps"]);
+    says(&check(&two).code(ERRORS).err, &["E0314", "more than 50000000 evaluation steps"]);
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn lists_are_equal_wherever_they_are_written() {
 fn lists_in_lists_are_not_deeper_than_can_be_taken_apart() {
     let mut text = "let a0 = [1]\n".to_owned();
     (1..200_000).for_each(|level| text.push_str(&format!("let a{level} = [a{}]\n", level - 1)));
-    says(&check(&text).code(ERRORS).err, &["E0207", "more than 64 lists"]);
+    says(&check(&text).code(ERRORS).err, &["E0207", "lists are nested more than 64 deep"]);
 }
 
 /// Times in the language are exact to the nanosecond in the schedule.

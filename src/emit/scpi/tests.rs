@@ -63,7 +63,7 @@ fn what_the_memory_does_not_take_is_refused() {
     assert_eq!(files(&with(12))[0].0, "fetch.awg.scpi");
     assert_eq!(code(&with(11)), Code::E0823);
     let error = emit(Format::Scpi, &with(11).verified, &Provenance::default()).unwrap_err().diagnostic();
-    assert_eq!(error.title, "the schedule of 150000000 ns needs 12 points of 15000000 ns, but `awg` takes 11");
+    assert_eq!(error.title, "the schedule of 150000000 ns needs 12 points of 15000000 ns; `awg` takes at most 11");
     let later = |ns| {
         let edge = with(1_000_000).changed(|schedule| schedule.actuations[0].duration_ns += ns);
         code(&edge)

@@ -145,7 +145,7 @@ fn a_part_in_a_corridor_yields_only_where_it_may() {
     assert_eq!(code, Code::E0601);
     assert!(
         reported
-            .contains("without `m2 at (5, 2)` `m1` has a way; but with `may_yield: true` the task has no plan either"),
+            .contains("without `m2 at (5, 2)` `m1` has a path; but with `may_yield: true` the task has no plan either"),
         "{reported}"
     );
     order.bystanders = Bystanders::Yield;
@@ -178,7 +178,7 @@ fn a_help_is_tried_on_the_whole_task() {
     order.steps = vec![together(vec![go(0, &[(11, 1)]), go(1, &[(1, 1)])])];
     let (code, reported) = refused(order.clone());
     assert_eq!(code, Code::E0601);
-    assert!(reported.contains("without `fence` `m1` has a way; but then the task has no plan either"), "{reported}");
+    assert!(reported.contains("without `fence` `m1` has a path; but then the task has no plan either"), "{reported}");
     order.facts.rows = 3;
     order.obstacles = Arc::new(vec![wall("fence", (6, 1), (6, 3))]);
     let (_, reported) = refused(order.clone());

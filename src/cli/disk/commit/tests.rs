@@ -147,7 +147,7 @@ fn a_journal_from_a_stranger_changes_nothing() {
         let before = set(folder.path());
         if KNOWS_FILES || !journal.contains("\"a\",\"number") {
             let refused = Folder::open(folder.path(), &RealDisk).map(drop).expect_err("it is refused");
-            assert!(refused.error.to_string().contains("not of a build into this folder"), "{journal}");
+            assert!(refused.error.to_string().contains("does not belong to a build into this folder"), "{journal}");
             assert_eq!(set(folder.path()), before, "{journal}");
         }
     }
