@@ -46,7 +46,7 @@ pub struct Diagnostic {
     pub reaches: Vec<Reach>,
     /// Replacement for a proof that there is no plan, if the proof does not hold for every start of the task.
     #[serde(skip)]
-    pub unproven_form: Option<Box<Diagnostic>>,
+    pub weaker_form: Option<Box<Diagnostic>>,
 }
 
 /// Added to the help for a task that begins at a place that the planner chose for the end of an earlier one.
@@ -73,23 +73,23 @@ impl Diagnostic {
             fix: Vec::new(),
             device: None,
             reaches: Vec::new(),
-            unproven_form: None,
+            weaker_form: None,
         }
     }
 
     /// Sets the diagnostic that replaces this one if it is not a proof.
     #[must_use]
-    pub fn with_unproven_form(self, rest: Diagnostic) -> Self {
-        Diagnostic { unproven_form: Some(Box::new(rest)), ..self }
+    pub fn with_weaker_form(self, rest: Diagnostic) -> Self {
+        Diagnostic { weaker_form: Some(Box::new(rest)), ..self }
     }
 
     /// The diagnostic for a task whose start is only one of several possible ones: it proves nothing, and the help says
     /// so.
     fn weakened(self) -> Self {
-        let weaker = match (self.code, self.unproven_form) {
+        let weaker = match (self.code, self.weaker_form) {
             (_, Some(rest)) => *rest,
-            (Code::E0601, None) => Diagnostic { code: Code::E0602, unproven_form: None, ..self },
-            (_, None) => return Diagnostic { unproven_form: None, ..self },
+            (Code::E0601, None) => Diagnostic { code: Code::E0602, weaker_form: None, ..self },
+            (_, None) => return Diagnostic { weaker_form: None, ..self },
         };
         let help = weaker.help.as_ref().map_or(String::new(), |help| format!("{help}; "));
         let help = format!("{help}{FROM_ONE_START}");

@@ -314,7 +314,7 @@ pub fn too_few_steps(limit_span: Span, limit: u64, least: u64) -> Diagnostic {
     Diagnostic::new(Code::E0603, format!("no plan has {limit} steps or fewer"))
         .label(limit_span, "this limit")
         .help(format!("every plan takes at least {least} steps: raise the limit"))
-        .with_unproven_form(unproven.label(limit_span, "this limit").help("it is not known whether there is one"))
+        .with_weaker_form(unproven.label(limit_span, "this limit").help("it is not known whether there is one"))
 }
 
 pub fn more_allowed(budget: u64, planner: &str) -> String {

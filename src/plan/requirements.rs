@@ -99,7 +99,7 @@ pub fn require<M>(
         let missed = match verdict.is_proven() {
             true => {
                 let unproven = LimitVerdict::NotFound;
-                missed.with_unproven_form(errors::requirement_missed(
+                missed.with_weaker_form(errors::requirement_missed(
                     requirement,
                     unproven,
                     job.requirements.len(),

@@ -1,7 +1,7 @@
 //! Random programs for one DiMiBot: as text for the compiler and as numbers for the oracle.
 
 #[path = "../support/random.rs"]
-mod random;
+pub mod random;
 
 use super::geometry::{Body, Point};
 pub use random::Random;

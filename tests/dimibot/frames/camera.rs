@@ -1,6 +1,6 @@
 //! Places read from a camera image, checked by hand and against the same programs with all places in lengths.
 
-use super::random::{Random, cases};
+use crate::scene::{Random, cases};
 use crate::support::{Built, build};
 use tweeze::claims::Order;
 use tweeze::claims::dimibot::{Asked, DimibotAction, DimibotObstacleBody};

@@ -1,15 +1,12 @@
 //! Robots in a common scene frame, tested from outside: programs as text, and an oracle with its own kinematics of the
 //! tips.
 
-#[path = "../../support/random.rs"]
-mod random;
-
 mod camera;
 mod oracle;
 
+use crate::scene::{Random, cases};
 use crate::support::{Built, build};
 use oracle::least_gap_um;
-use random::{Random, cases};
 use tweeze::claims::{Claims, Order};
 use tweeze::schedule::{Reached, Schedule};
 use tweeze::verify::{Rule, violations};

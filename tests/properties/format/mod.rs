@@ -9,9 +9,9 @@ mod mangle;
 mod mutate;
 #[path = "../../fuzz/numbers.rs"]
 mod numbers;
-#[path = "../../support/random.rs"]
-mod random;
 mod rules;
 #[path = "../../fuzz/seeds.rs"]
 #[allow(dead_code, reason = "other attacks begin with other texts")]
 mod seeds;
+
+use crate::scene::random;

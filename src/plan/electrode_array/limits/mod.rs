@@ -142,7 +142,7 @@ pub fn broken(
     }
     let diagnostic = diagnostic.help_if(help(order, requirements, wider));
     match is_proven {
-        true => diagnostic.with_unproven_form(broken(order, requirements, [&[], wider], false)),
+        true => diagnostic.with_weaker_form(broken(order, requirements, [&[], wider], false)),
         false => diagnostic,
     }
 }
