@@ -109,6 +109,7 @@ const SHARED: &[(&str, &str)] = &[
     ("normal", "the unit vectors across them"),
     ("digit", "what stands for an arm in words and states: 0 or 1"),
     ("watchdog_ns", "a figure of the device, or five of its intervals where it states none"),
+    ("sign", "how a relation is written, for messages"),
     ("outcome", "names of the vocabulary: what `require` compares"),
     ("dimension", "whether an outcome is a length, a time or a count"),
 ];

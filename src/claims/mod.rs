@@ -310,6 +310,17 @@ pub enum Relation {
 }
 
 impl Relation {
+    /// Its sign in the language.
+    pub fn sign(self) -> &'static str {
+        match self {
+            Relation::Less => "<",
+            Relation::AtMost => "<=",
+            Relation::Equal => "==",
+            Relation::AtLeast => ">=",
+            Relation::More => ">",
+        }
+    }
+
     /// Whether the relation holds, up to a slack of at least 0 in the unit of both; a strict relation must hold by
     /// more than the slack.
     pub fn holds(self, reached: f64, limit: f64, slack: f64) -> bool {

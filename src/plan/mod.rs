@@ -149,7 +149,7 @@ pub fn plan<'a>(claims: &'a Claims, sink: &mut Sink, progress: Progress) -> Opti
         if let Some(plan) = plan.as_mut().filter(|plan| plan.proof == Optimality::Open && watch::has_ended_early()) {
             plan.remarks.push(Remark {
                 subject: ENDED_EARLY.to_owned(),
-                text: "ended when asked to, its best plan kept".to_owned(),
+                text: "ended on request; the best plan so far was kept".to_owned(),
             });
         }
         plans.push(plan);

@@ -46,20 +46,20 @@ pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
     let name = |robot: usize| order.robot(robot).name.as_str();
     let robot = stop.robot.map_or("a robot", name);
     match stop.reason {
-        StopReason::LeftCylinder => format!("`{robot}` did not get to where its motion should end, in all its rounds"),
-        StopReason::MissedCone => format!("the goal of `{robot}` is not within reach of the fine motion"),
+        StopReason::LeftCylinder => format!("`{robot}` did not reach the end of its motion within the allowed rounds"),
+        StopReason::MissedCone => format!("the goal of `{robot}` is out of reach of the fine motion"),
         StopReason::Misplaced => format!("`{robot}` is measured at its structure, but too far from its place"),
         StopReason::TimeLimit => format!("`{robot}` took too long"),
         StopReason::Unseen => format!("`{robot}` was not seen in too many measurements in a row"),
         StopReason::Doubtful => format!("`{robot}` was measured too often where it cannot be"),
         StopReason::Astray => format!(
-            "`{robot}` does not follow the commands: it was measured too often in a row where they cannot have brought it"
+            "`{robot}` does not follow the commands: it was measured too often in a row where they cannot have moved it"
         ),
         StopReason::Moved => format!(
-            "`{robot}` was measured twice in a row where it cannot have come to: it was moved, or another robot is taken for it"
+            "`{robot}` was measured twice in a row where it cannot be: it was moved, or mistaken for another robot"
         ),
         StopReason::Blocked => match stop.in_the_way {
-            Some(InTheWay::Robot(other)) => format!("`{robot}` and `{}` would run into each other next", name(other)),
+            Some(InTheWay::Robot(other)) => format!("`{robot}` and `{}` would collide next", name(other)),
             Some(obstacle @ InTheWay::Obstacle(_)) => {
                 format!("`{robot}` would be driven into `{}` next", obstacle.name(order))
             }
@@ -67,13 +67,13 @@ pub fn stopped(order: &MicrorobotsOrder, stop: Stop) -> String {
         },
         StopReason::Silence => {
             let watchdog_s = order.facts.watchdog_ns() as f64 / 1e9;
-            format!("no measurement after the end of the last command came within {} s of it", digits(watchdog_s))
+            format!("no measurement arrived within {} s after the end of the last command", digits(watchdog_s))
         }
         StopReason::Closed => "the measurements ended before the task was done".to_owned(),
-        StopReason::Clock => "the time of a measurement lies before that of the last one".to_owned(),
-        StopReason::Garbled => "too many lines in a row are no measurements".to_owned(),
+        StopReason::Clock => "the time of a measurement is before that of the previous one".to_owned(),
+        StopReason::Garbled => "too many lines in a row are not measurements".to_owned(),
         StopReason::Interrupted => "the controller was interrupted".to_owned(),
-        StopReason::Unread => "whoever carries the commands out does not take them".to_owned(),
+        StopReason::Unread => "the process that carries out the commands does not read them".to_owned(),
         StopReason::Unrecorded => "the recording cannot be written".to_owned(),
     }
 }

@@ -144,7 +144,10 @@ fn other_than(
         Relation::AtLeast => over >= -TOLERANCE,
         Relation::More => over > TOLERANCE,
     };
-    let title = || format!("`{name}` has {reached} of `{what}`, which breaks its limit of {}", content.limit);
+    let title = || {
+        let required = format!("{} {}", content.relation.sign(), content.limit);
+        format!("`{name}` has {what} {reached}; the program requires {required}")
+    };
     (!is_kept).then(|| BrokenContent { span: content.span, title: title() })
 }
 

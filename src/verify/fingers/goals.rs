@@ -5,7 +5,7 @@ use super::Point;
 use super::hand::{JudgedHand, nominal_step_rad, planes_after};
 use crate::claims::fingers::FingersAction;
 use crate::device::fingers::Plane;
-use crate::quantity::digits;
+use crate::quantity::{count, digits};
 use crate::schedule::Reached;
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -68,7 +68,7 @@ impl JudgedHand<'_, '_> {
     fn grasp_fault(&self, nth: usize, contacts: Option<&[u32]>) -> Option<String> {
         let holding = self.grip.holds.len();
         if holding < 2 {
-            return Some(format!("a grasp ends with {holding} fingers on the part; 2 or 3 are needed"));
+            return Some(format!("a grasp ends with {} on the part; 2 or 3 are needed", count(holding, "finger")));
         }
         let contacts = contacts?;
         let planes = planes_after(self.order, nth);
@@ -128,6 +128,6 @@ impl JudgedHand<'_, '_> {
 
     fn release_fault(&self) -> Option<String> {
         let holding = self.grip.holds.len();
-        (holding > 0).then(|| format!("{holding} fingers touch the part after a release"))
+        (holding > 0).then(|| format!("the part is held by {} after a release", count(holding, "finger")))
     }
 }

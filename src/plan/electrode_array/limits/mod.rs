@@ -177,13 +177,7 @@ fn help(order: &ElectrodeArrayOrder, requirements: &[Requirement], wider: &[Plan
 
 /// A requirement in source form.
 fn text(requirement: &Requirement) -> String {
-    let sign = match requirement.relation {
-        Relation::Less => "<",
-        Relation::AtMost => "<=",
-        Relation::Equal => "==",
-        Relation::AtLeast => ">=",
-        Relation::More => ">",
-    };
+    let sign = requirement.relation.sign();
     format!("{} {sign} {}", requirement.outcome, show(requirement.limit, dimension(&requirement.outcome)))
 }
 

@@ -34,7 +34,7 @@ fn lowered(value: f64) -> f64 {
 
 /// An available value and a larger required one, to a tenth; if these look the same, to a hundredth, the first rounded
 /// down and the second up.
-fn told_apart(has: f64, needs: f64) -> (String, String) {
+fn distinguishable(has: f64, needs: f64) -> (String, String) {
     let (short, long) = (format!("{has:.1}"), format!("{needs:.1}"));
     if short != long {
         return (short, long);
@@ -48,25 +48,25 @@ impl Containment {
         let name = &order.robot(self.robot).name;
         let (needs, has) = (self.needs, self.has);
         if !needs.is_finite() {
-            return format!("how far {name} may stray is not bounded: an error can add full circles to its way");
+            return format!("the deviation of {name} is not bounded: an error can add full circles to its path");
         }
         let (needs_deg, has_deg) = (needs.to_degrees(), has.to_degrees());
         match &self.check {
             ContainmentCheck::Cone => format!(
-                "the cylinder about the approach of {name} has a radius of {needs:.1} um, the fine motion can correct {:.1} um",
+                "the cylinder about the approach of {name} has a radius of {needs:.1} um, but the fine motion can correct only {:.1} um",
                 has.max(0.0)
             ),
             ContainmentCheck::Place => {
-                format!("{name} may dock {needs:.1} um beside its place, the docking tolerance is {has:.1} um")
+                format!("{name} may dock {needs:.1} um beside its place; the docking tolerance is {has:.1} um")
             }
             ContainmentCheck::Angle => format!(
-                "{name} may meet its structure at {needs_deg:.1} deg from the normal of its edge, the sticking angle is {has_deg:.1} deg"
+                "{name} may meet its structure at {needs_deg:.1} deg from the normal of its edge; the sticking angle is {has_deg:.1} deg"
             ),
             ContainmentCheck::Axes => format!(
-                "{name} and its partner may meet with their axes {needs:.1} um apart, they align themselves up to {has:.1} um"
+                "{name} and its partner may meet with their axes {needs:.1} um apart; they align themselves up to {has:.1} um"
             ),
             ContainmentCheck::Directions => format!(
-                "{name} and its partner may meet at an angle of {needs_deg:.1} deg, they align themselves up to {has_deg:.1} deg"
+                "{name} and its partner may meet at an angle of {needs_deg:.1} deg; they align themselves up to {has_deg:.1} deg"
             ),
             ContainmentCheck::Gross(thing) => {
                 format!("{name} may stray {needs:.1} um from its path, which passes {thing} at {:.1} um", has.max(0.0))
@@ -77,11 +77,11 @@ impl Containment {
             ),
             ContainmentCheck::Edge => format!("{name} faces no docked robot at its goal"),
             ContainmentCheck::Turn => {
-                let (has, needs) = told_apart(has_deg, needs_deg);
-                format!("a turn of {name} of {has} deg is too short to be sure of; {needs} deg are needed")
+                let (has, needs) = distinguishable(has_deg, needs_deg);
+                format!("a turn of {name} by {has} deg is too short to be certain; at least {needs} deg is needed")
             }
             ContainmentCheck::Meeting => format!(
-                "{name} and its partner may miss each other by {needs:.1} um of their ways, {has:.1} um can be made up for"
+                "{name} and its partner may miss each other by {needs:.1} um along their paths; {has:.1} um can be corrected"
             ),
         }
     }
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn a_turn_that_is_too_short_looks_shorter_than_what_is_needed() {
         let apart = |has: f64, needs: f64| {
-            let (has, needs) = told_apart(has, needs);
+            let (has, needs) = distinguishable(has, needs);
             format!("{has} {needs}")
         };
         assert_eq!(apart(0.54, 0.82), "0.5 0.8");

@@ -51,17 +51,17 @@ impl FailureReason {
     /// Clause about the robot: what happened to it.
     pub fn clause(&self) -> String {
         match self {
-            FailureReason::LeftCylinder => "it did not get to where the fine motion begins".to_owned(),
-            FailureReason::MissedCone => "its goal was not within reach of the fine motion".to_owned(),
+            FailureReason::LeftCylinder => "it did not reach the start of its fine motion".to_owned(),
+            FailureReason::MissedCone => "its goal was out of reach of the fine motion".to_owned(),
             FailureReason::Misplaced => "it docked too far from its place".to_owned(),
             FailureReason::Angle => "it met its structure at too large an angle".to_owned(),
             FailureReason::Collision(thing) => format!("it ran into {thing}"),
             FailureReason::TimeLimit => "it took too long".to_owned(),
-            FailureReason::NotDocked => "it was held for docked, and was not".to_owned(),
-            FailureReason::Unmeasured => "it was not measured, or where it cannot be, too often".to_owned(),
+            FailureReason::NotDocked => "the controller took it for docked, but it was not".to_owned(),
+            FailureReason::Unmeasured => "it was too often not measured, or measured where it cannot be".to_owned(),
             FailureReason::Astray => "it did not follow the commands".to_owned(),
             FailureReason::Blocked(thing) => format!("it was stopped before it ran into {thing}"),
-            FailureReason::Silence => "measurements failed to come".to_owned(),
+            FailureReason::Silence => "no measurements arrived".to_owned(),
         }
     }
 
