@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# The tests of all that is here, and the package of the extension. Needs Node 20 and a Python with pytest and Pygments.
+# Runs the tests of all editor support and packages the extension. Needs Node 20 and a Python with pytest and Pygments.
 #   PYTHON   the interpreter, python3 if not set
 #   TWEEZE   the compiler's executable; without it, tests that need it are skipped
 set -euo pipefail
 cd "$(dirname "$0")"
 
 python="${PYTHON:-python3}"
-# Both may be named from where the caller stands.
+# Both may be paths relative to the caller's folder.
 for name in python TWEEZE; do
   value="${!name:-}"
   case "$value" in
@@ -25,7 +25,7 @@ say "Visual Studio Code: grammar, snippets, client"
 say "Visual Studio Code: the package"
 (cd vscode && npm run package 2>&1 | tee "$scratch/package.log")
 if grep -E "WARN|ERROR" "$scratch/package.log"; then exit 1; fi
-# All that an editor reads, and nothing else.
+# The package holds all that an editor reads, and nothing else.
 "$python" - vscode/tweeze.vsix <<'CHECK'
 import sys, zipfile
 names = sorted(name for name in zipfile.ZipFile(sys.argv[1]).namelist() if name.startswith("extension/"))
@@ -37,7 +37,7 @@ say "highlight.js"
 (cd highlightjs && npm ci --ignore-scripts --no-fund --no-audit && npm test)
 
 say "Pygments"
-# As it is installed, from a copy: building leaves files behind.
+# Installed from a copy, because building leaves files behind.
 cp -r pygments "$scratch/source"
 "$python" -m pip install --quiet --disable-pip-version-check --no-deps --target "$scratch/site" "$scratch/source"
 tests="$PWD/pygments/tests"

@@ -7,13 +7,13 @@ import words from "./words.js";
 
 const literal = (text) => text.replace(/[\\^$.*+?()[\]{}|/]/gu, "\\$&");
 
-/** One of these words; the longest are tried first, so that none hides another one. */
+/** Pattern for any of these words, longest first so that no word hides a longer one. */
 const oneOf = (list) => [...list].sort((a, b) => b.length - a.length || (a < b ? -1 : 1)).map(literal).join("|");
 
 /** The language, for `hljs.registerLanguage("tweeze", tweeze)`. */
 export default function tweeze() {
-  // Most roles come from where a word stands in its line. The sign before an entry is read with it, and words are read whole: not
-  // every browser looks behind.
+  // Most roles follow from the position of a word in its line. The punctuation before an entry is matched with it, and words are matched
+  // whole, because not every browser supports lookbehind.
   const char = String.raw`[\p{Alphabetic}0-9_]`;
   const ends = `(?!${char})`;
   const word = String.raw`[\p{Alphabetic}_]${char}*`;
@@ -28,7 +28,7 @@ export default function tweeze() {
   const unit = `${power}(?:[*/]${power})*`;
   const isSetting = (step) => ["minimize", "require", "using"].includes(step);
 
-  /** Pieces that follow one another, as pairs of a pattern and its scope. */
+  /** A mode for consecutive pieces, given as pairs of a pattern and its scope. */
   const pieces = (...pairs) => ({
     match: pairs.map(([pattern]) => new RegExp(pattern, "u")),
     scope: Object.fromEntries(pairs.flatMap(([, scope], at) => (scope ? [[at + 1, scope]] : []))),
@@ -41,7 +41,7 @@ export default function tweeze() {
   const NUMBER = piece(String.raw`0b[01_]+${ends}|${number}(?:[ \t]*${unit})?`, "number");
   const FUNCTION = piece(String.raw`(?:${oneOf(words.functions)})(?=[ \t]*\()`, "built_in");
   const OPERATOR = piece(`->|${oneOf(words.operators)}|=`, "operator");
-  // Behind a dot any word is a name.
+  // After a dot any word is a name.
   const MEMBER = piece(String.raw`\.[ \t]*${word}`);
   const NAME = piece(word);
   const HOLE = { scope: "subst", begin: /\{/u, end: /\}|(?=["\n])/u, contains: [NUMBER, FUNCTION, OPERATOR, MEMBER, NAME] };
@@ -53,7 +53,7 @@ export default function tweeze() {
   BRACKETS.forEach((bracket) => bracket.contains.push(...VALUES, CALL, ...BRACKETS, NAME));
   const PARAMETERS = { begin: /\(/u, end: /\)/u, contains: [COMMENT, pieces([word, "params"], [String.raw`[ \t]*:[ \t]*`], [word, "type"])] };
   const TABLE = {
-    // Up to the first line, which has the names of the columns.
+    // Up to the end of the first line, which has the names of the columns.
     begin: [/table/u, /[ \t]*\{\s*/u],
     beginScope: { 1: "keyword" },
     end: /$|(?=\})/u,
@@ -75,7 +75,7 @@ export default function tweeze() {
     contains: [
       COMMENT,
       pieces([head], [word, "attr"], [String.raw`[ \t]*:(?!=)`]),
-      // No other language begins so.
+      // No other language has such lines, hence the high relevance.
       { ...afterHead(["use"], [blanks], [String.raw`std(?:\.${word})+`, "title.class"]), relevance: 10 },
       TASK,
       { ...afterHead(["device", "instrument", "output", "scene"], [blanks], [name, "title.class"]), relevance: 1 },

@@ -55,7 +55,7 @@ def stale(text):
 
 
 def read_faults():
-    """The faults of faults.txt; ends the program where one is not well-formed or its old text is not there exactly once."""
+    """Reads faults.txt; exits if a fault is malformed or its old text does not occur exactly once."""
     faults = []
     for line in (ROOT / "tests/faults/faults.txt").read_text().splitlines():
         head = re.fullmatch(r"(\d+) (\S+): (.+)", line)
@@ -77,7 +77,7 @@ def read_faults():
 
 
 def places(fault, text):
-    """Where the old text stands as whole words."""
+    """Offsets at which the old text occurs as whole words."""
     begin = r"\b" if re.match(r"\w", fault.old) else ""
     end = r"\b" if re.search(r"\w$", fault.old) else ""
     return [found.start() for found in re.finditer(begin + re.escape(fault.old) + end, text)]
@@ -93,7 +93,7 @@ def with_switch(text, fault):
 
 
 def lay_out(tree, faults):
-    """Copies the source with all faults in it; files that are there already as they must be are left alone, for cargo's sake."""
+    """Copies the source with all faults in it; files that are already up to date are not rewritten, so that cargo does not rebuild them."""
     wanted = {}
     for top in ["Cargo.toml", "Cargo.lock", "README.md", "CHANGELOG.md"]:
         wanted[Path(top)] = (ROOT / top).read_bytes()
@@ -117,7 +117,7 @@ def lay_out(tree, faults):
 
 
 def build(tree, target):
-    """Builds all tests; their programs by name."""
+    """Builds all tests; returns the paths of their executables by name."""
     cargo = os.environ.get("CARGO", "cargo")
     environment = {**os.environ, "CARGO_TARGET_DIR": str(target)}
     command = [cargo, "test", "--no-run", "--message-format=json-render-diagnostics"]
@@ -133,13 +133,13 @@ def build(tree, target):
 
 
 class Tests:
-    """The test programs of the copy. What they do without a fault is learnt when it is first needed."""
+    """The test programs of the copy; their run without a fault is timed when first needed."""
 
     def __init__(self, tree, programs):
         self.tree, self.programs, self.lasts = tree, programs, {}
 
     def run(self, name, fault, limit_s, *words):
-        """What of a test program failed, or None; ends it at the first failure. With words, only tests whose names hold one of them."""
+        """Runs a test program until its first failure; returns what failed, or None. `words` are passed on, as filters of test names."""
         environment = {
             **os.environ,
             "TWEEZE_FAULT": str(fault),
@@ -172,7 +172,7 @@ class Tests:
         return None if status == 0 else f"(ended with {status}: crash, or no end in {limit_s} s)"
 
     def limit_s(self, name):
-        """A time limit for a program; the first time it runs without a fault, to see that it passes and how long it takes."""
+        """The time limit of a program. The first call runs it without a fault, to see that it passes and how long it takes."""
         if name not in self.lasts:
             begun = time.monotonic()
             failed = self.run(name, 0, None)
@@ -193,7 +193,7 @@ class Tests:
         return f"{name} {test}" if self.run(name, fault.number, limit_s, "--exact", test) else None
 
     def killer(self, fault):
-        """A test that notices a fault, the nearest ones asked first."""
+        """A test that notices a fault, or None; the tests nearest to the fault run first."""
         known = self.known(fault)
         if known:
             return known
@@ -220,7 +220,7 @@ def end(child):
 
 
 def write_killers(killers):
-    """Writes into faults.txt which test notices which fault, after the line of what takes the place of the old text."""
+    """Writes the test that notices each fault into faults.txt, after the line with the new text."""
     path, number, lines = ROOT / "tests/faults/faults.txt", 0, []
     for line in path.read_text().splitlines():
         head = re.match(r"(\d+) \S+: ", line)

@@ -10,7 +10,7 @@ from verdict import demand
 
 
 def read(path):
-    """The columns' headers, instants, and a row of values for each."""
+    """Returns the column headers without the time column, the instants in ns, and the array of values, one row per instant."""
     with open(path, newline="", encoding="utf-8") as file:
         header = next(csv.reader(file))
     table = numpy.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
@@ -20,7 +20,7 @@ def read(path):
 
 
 def columns(schedule):
-    """The headers that a schedule must have: the channel of each, and which of its columns."""
+    """Yields the expected columns as (header, channel, part of the channel)."""
     for channel in schedule.channels:
         wire = f" @ {schedule.wires[channel]}" if schedule.wires[channel] else ""
         if schedule.periods(channel):
@@ -52,7 +52,7 @@ def judge(path, schedule):
 
 
 def train(times, first, second, period, start, channel, schedule):
-    """The voltage that a row says, at the ends and at edges of every train; and each row against the train itself."""
+    """Checks the voltages that the rows stand for at the ends and at edges of every drive train, and each row against its train."""
     for t_ns in schedule.instants():
         row = [int(held(times, column, t_ns)) for column in (period, start)]
         found = swung(t_ns, held(times, first, t_ns), held(times, second, t_ns), *row)
@@ -65,7 +65,7 @@ def train(times, first, second, period, start, channel, schedule):
 
 
 def positions(times, own, channel, schedule):
-    """Straight lines from row to row are where the stage is, at every bend and between."""
+    """Checks positions interpolated linearly between rows, at every bend and midway between bends."""
     bends = schedule.instants()
     asked = numpy.array(sorted({*bends, *(a + (b - a) // 2 for a, b in zip(bends, bends[1:]))}))
     found = numpy.interp(asked, times, own)

@@ -1,7 +1,7 @@
-"""What the sender makes NI-DAQmx cards play, against the schedule.
+"""Compares what the sender makes NI-DAQmx cards play with the schedule.
 
-The sender itself runs, on a stand-in for the package of the cards' maker that keeps to its documented calls; what its tasks were
-given is then compared with the schedule, sample by sample.
+The sender itself runs, on a stand-in for National Instruments' package that implements its documented calls. The samples written to
+each task are then compared with the schedule one by one.
 """
 
 import json
@@ -17,7 +17,7 @@ STAND_IN = Path(__file__).resolve().parent / "standins"
 
 
 def played(program, arguments=()):
-    """Runs a sender on the stand-in; its exit status, its words, and the log of all calls."""
+    """Runs a sender on the stand-in; returns its exit status, its output, and the log of all calls."""
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "calls.json"
         environment = os.environ | {"PYTHONPATH": str(STAND_IN), "STANDIN_LOG": str(log)}
@@ -69,7 +69,7 @@ def compare(schedule, channel, link, period, levels, times):
         demand(all((edge - begin) % period_ns == 0 for edge in inner), f"{channel} has an edge between samples")
     demand(begin + len(levels) * period_ns >= end, f"{channel} ends too early")
     for index, level in enumerate(levels):
-        # A wait may hold for a while what it finds.
+        # Samples past the end of a part repeat the value that the wait there holds.
         value = schedule.value(channel, min(begin + index * period_ns, end))
         expected = schedule.output_v(link, value)
         demand(abs(level - expected) < 1e-9, f"{channel} is at {level} at {index * period_ns} ns, not {expected}")

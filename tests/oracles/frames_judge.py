@@ -1,7 +1,7 @@
-"""What an electrode driver does with its frames, against the schedule.
+"""Compares what an electrode driver does with its frames with the schedule.
 
-The sender's own code reads the table and makes the bytes or the call of each frame; they are taken apart here by what the firmware of
-the board, or its server, makes of them, and held against the schedule at each of its edges.
+The sender's own code reads the table and encodes the bytes or the call of each frame. They are decoded here as the board's firmware or
+its server would, and compared with the schedule at each of its edges.
 """
 
 import importlib.util
@@ -9,12 +9,12 @@ import json
 
 from verdict import demand
 
-# Of OpenDrop's firmware V4.2: bytes of columns, then control bytes; temperatures stand in three of these.
+# Frame layout of OpenDrop's firmware V4.2: column bytes, then control bytes, three of which are temperatures.
 COLUMNS, CONTROLS = 16, 16
 
 
 def sender(program):
-    """A sender as a module."""
+    """Imports a sender as a module."""
     spec = importlib.util.spec_from_file_location("frames_sender", program)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -22,7 +22,7 @@ def sender(program):
 
 
 def opendrop(data):
-    """What the firmware switches on by a frame: channels, magnets, and heaters with their degrees; feedback stays off."""
+    """Decodes a frame as the firmware does: the channels, magnets and heaters (with temperatures) that are on. Feedback must be off."""
     demand(len(data) == COLUMNS + CONTROLS, f"a frame of {len(data)} bytes")
     control = data[COLUMNS:]
     demand(control[0] <= 3 and control[8] == 0 and min(control[10:13]) >= 25, f"control bytes {control.hex()}")
@@ -32,7 +32,7 @@ def opendrop(data):
 
 
 def number_of(output, facts):
-    """What stands for an output of a driver in the table: its number, or the name of a magnet, or of a heater with its degrees."""
+    """The entry of a driver's output in the table: its number, the name of a magnet, or the name of a heater with its temperature."""
     if output.startswith("heater"):
         return f"{output}={facts['heaters_degc'][output.removeprefix('heater')]}"
     return output if output.startswith("magnet") else int(output.removeprefix("c"))
@@ -78,7 +78,7 @@ def edges_of(schedule, channel):
 
 
 def opendrop_file(file, frames):
-    """Whether the file of OpenDrop's own program, read as that reads it, has the frames for times in proportion."""
+    """Whether the file for OpenDrop's own program, read as that program reads it, shows the frames for proportional times."""
     loaded = []
     for item in json.loads(file.read_text()):
         loaded.append({8 * column + row for row in range(8) for column, digit in enumerate(item[f"y{row}"]) if digit == "1"})

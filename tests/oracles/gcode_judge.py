@@ -1,4 +1,4 @@
-"""G-code of a hand, read by two readers: gcodeparser, whose lines are run here on a clock, and pygcode's machine."""
+"""G-code of a hand, read by two readers: gcodeparser, whose lines are executed here against a clock, and pygcode's machine."""
 
 import json
 import re
@@ -10,7 +10,7 @@ from pygcode import Line, Machine
 
 from verdict import demand
 
-# Numbers are whole nanometres.
+# Coordinates are whole nanometres.
 TOLERANCE_UM = 1e-3
 TOLERANCE_NS = 1.0
 
@@ -34,9 +34,9 @@ def judge(path, schedule):
 
 
 def played(text, axes, schedule):
-    """Where each axis is, in millimetres, at the instants at which a line ends."""
+    """Returns the instants at which lines end, in ns, and the position of each axis at them, in millimetres."""
     end_ns, holds = schedule.duration_ns, list(schedule.document.get("holds", []))
-    # Labels and what is said to the operator move nothing.
+    # Labels and messages to the operator move nothing.
     text = re.sub(r"^(o\d+ .*|\(.*\))$", "", text, flags=re.MULTILINE)
     head, lines = [], iter(parse_gcode_lines(text))
     at, t_ns, times, places = {}, 0.0, [], {letter: [] for letter in axes}
@@ -74,7 +74,7 @@ def played(text, axes, schedule):
 
 
 def machine_of(file, path, axes, schedule):
-    """The instrument that plays a file, if the program has machines: all that is wired to it is in its file."""
+    """The machine that plays a file, or None if the program has no machines. The file must have exactly the axes wired to it."""
     machines = schedule.instruments("machine_controller")
     if not machines:
         return None
@@ -86,7 +86,7 @@ def machine_of(file, path, axes, schedule):
 
 
 def of_channel(places_um, machine, letter, channel, schedule):
-    """Where the channel is, for the places of its axis."""
+    """Converts positions of an axis to positions of its channel, in um."""
     if machine is None:
         return places_um
     output, link = schedule.drives(machine)[channel]
@@ -97,7 +97,7 @@ def of_channel(places_um, machine, letter, channel, schedule):
 
 
 def cut_um(channel, period_ns, schedule):
-    """How far a line between two servo cycles is off the sharpest corner of a channel, which lies in the middle."""
+    """How far the chord between two servo cycles cuts the sharpest corner of a channel, in um, with the corner midway between them."""
     lines = [(start, end, (last - first) / (end - start)) for start, end, first, last, _ in schedule.pulses[channel]]
     lines = [(0, 0, 0.0), *lines, (schedule.duration_ns, schedule.duration_ns, 0.0)]
     changes = [0.0]
@@ -107,7 +107,10 @@ def cut_um(channel, period_ns, schedule):
 
 
 def rounding(text, log, channels, machine, schedule):
-    """Corners are rounded by at most half of the hand's tolerance, which the claims in the log beside tell, less what servo cycles cut."""
+    """Checks that G64 rounds corners by half of the hand's tolerance less what servo cycles cut.
+
+    The tolerance comes from the claims in the log beside the file; without a log, only the presence of G64 is checked.
+    """
     found = re.findall(r"^G64 P(\S+)", text, re.MULTILINE)
     demand(len(found) == 1 and float(found[0]) > 0, f"it says G64 with {found}")
     if not log.exists():
@@ -130,16 +133,16 @@ def tell(times, places, t_ns, at):
 
 
 class Stages(Machine):
-    """With all axes that the dialect has."""
+    """A pygcode machine with all axes of the dialect."""
 
     axes = set("XYZABCUVW")
 
 
 def by_pygcode(text, axes, places):
-    """The machine of pygcode is at the same places after each line that moves or waits."""
+    """Checks that pygcode's machine has the same positions after each line that moves or waits."""
     machine, found = Stages(), {letter: [] for letter in axes}
     for line in text.splitlines():
-        # It knows no labels, and not the word that waits for a pin.
+        # pygcode knows neither labels nor M66, which waits for a pin.
         if not line.startswith(("o", "(", "M66 ")):
             machine.process_block(Line(line).block)
         if line.startswith(("M0", "M66 ", "G1 ", "G4 ")):

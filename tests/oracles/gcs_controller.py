@@ -1,7 +1,7 @@
-"""A controller of PI that is played here: what the manual of an E-727 says that it does with lines of the General Command Set.
+"""A simulated PI controller that answers lines of the General Command Set as the manual of the E-727 describes.
 
-Wave tables of straight segments, wave generators with their table rate, servo, targets, and the error of the last command. Time is not
-played: a wave that is started has been moved at once, and what each axis was commanded to is kept, a place for each servo cycle.
+It has wave tables of straight segments, wave generators with a table rate, servo, targets, and the error of the last command. Time is not
+simulated: a wave is complete as soon as it is started, and the commanded positions of each axis are recorded, one per servo cycle.
 """
 
 import socket
@@ -9,13 +9,15 @@ import threading
 
 SERVO_CYCLE_S = 50e-6
 TRAVEL_UM = (-20.0, 120.0)
-# Errors of the set: unknown command, parameter out of range, move without servo, stopped by command.
+# Error codes of the command set: unknown command, syntax error, parameter out of range, move without servo, stopped by command.
 UNKNOWN, SYNTAX, OUT_OF_RANGE, SERVO_OFF, STOPPED = 2, 1, 17, 5, 10
 
 
 class GcsController:
-    """Listens at `address` for one sender after the other. `refuse` is the beginning of a command that raises an error; one that
-    `is_busy` moves until it is stopped."""
+    """Listens at `address` for one sender after another.
+
+    A command that begins with `refuse` raises an error. A controller that `is_busy` moves until it is stopped.
+    """
 
     def __init__(self, axes=3, refuse=None, table_points=1 << 20, is_busy=False):
         self.axes = [str(axis) for axis in range(1, axes + 1)]
@@ -23,7 +25,7 @@ class GcsController:
         self.error, self.lines = 0, []
         self.tables, self.connected, self.rates = {}, {}, dict.fromkeys(self.axes, 1)
         self.servo, self.target = dict.fromkeys(self.axes, False), dict.fromkeys(self.axes, 0.0)
-        # What was played: for each start the mode, and for each axis its places.
+        # Waves played: for each start, its mode and the positions of each axis.
         self.played, self.stops, self.pulse = [], 0, []
         self.server = socket.create_server(("127.0.0.1", 0))
         self.address = "127.0.0.1:%d" % self.server.getsockname()[1]
@@ -41,7 +43,7 @@ class GcsController:
     def talk(self, line):
         data = b""
         while True:
-            # Single bytes are commands of their own, at any time.
+            # Single-byte commands (stop all, wave generator status) are accepted at any time.
             while data and (data[:1] in b"\x18\x09" or b"\n" in data):
                 if data[:1] == b"\x18":
                     self.error, self.stops, data = STOPPED, self.stops + 1, data[1:]
@@ -62,7 +64,7 @@ class GcsController:
             data += more
 
     def obey(self, command):
-        """The lines of the answer, or None for a command."""
+        """Executes a line; returns the lines of the answer, or None for a command without one."""
         self.lines.append(command)
         word, *words = command.split()
         if word == "ERR?":
@@ -110,7 +112,10 @@ class GcsController:
                 self.target[axis] = float(place)
 
     def do_wav(self, table, append, sort, *numbers):
-        """A segment of a line: its points, how far, from where, the points of the line in it, the first of these, points of acceleration."""
+        """Writes or appends a straight segment to a wave table.
+
+        `numbers` are the segment length in points, amplitude, offset, curve length in points, start point, and acceleration points.
+        """
         assert sort == "LIN" and append in "X&" and len(numbers) == 6, "no more than ten words"
         length, way, start, line, first, speeding = (float(number) for number in numbers)
         assert line == length >= 1 and first == speeding == 0 and length == int(length)
@@ -149,7 +154,7 @@ class GcsController:
         for generator in modes:
             table, rate = self.tables[self.connected[generator]], self.rates[generator]
             assert abs(self.target[generator] - table[0]) < 1e-5, "it would jump to the beginning of its table"
-            # Straight from point to point, a place for each servo cycle.
+            # Linear interpolation between points, one position per servo cycle.
             later = [*table[1:], table[-1]]
             played[generator] = [a + (b - a) * cycle / rate for a, b in zip(table, later) for cycle in range(rate)]
             self.target[generator] = played[generator][-1]

@@ -1,4 +1,4 @@
-"""The GTKWave save file: it shows every variable of the VCD file beside it once, whose names GTKWave would find."""
+"""The GTKWave save file: it shows every variable of the VCD file beside it once, under a name that GTKWave finds."""
 
 import re
 
@@ -20,7 +20,7 @@ def judge(path, schedule):
     groups = re.findall(r"^@(800200|1000200)\n-(\S+)$", text, re.MULTILINE)
     devices = list(dict.fromkeys(channel["device"] for channel in schedule.document["channels"]))
     demand(groups == [(flag, device) for device in devices for flag in ("800200", "1000200")], "the groups are others")
-    # At zoom 0 a window shows 4 units or more; GTKWave counts 10 us and 100 us in us.
+    # At zoom 0 a window shows at least 4 units; GTKWave counts timescales of 10 us and 100 us in us.
     unit = re.search(r"^\$timescale \d+ (\w+) \$end$", vcd.read_text("ascii"), re.MULTILINE)[1]
     zoom = int(re.search(r"^\*-(\d+)\.", text, re.MULTILINE)[1])
     wanted = schedule.duration_ns / UNIT_NS[unit] / 4

@@ -1,18 +1,18 @@
 """Writes the description of a simulated arbitrary-waveform generator for pyvisa-sim.
 
-It takes the messages below and nothing else; everything that it is told can be asked back.
+It accepts the messages below and nothing else; every setting can be queried.
 """
 
 import yaml
 
-# Of one instrument. The simulation tries every message on every output, so a schedule of hundreds goes to a rack of them.
+# Outputs of one instrument. The simulation tries every message on every output, so schedules with hundreds of outputs use a rack.
 OUTPUTS = 32
 
 NUMBER = {"min": 0, "max": 1000, "type": "float"}
 
 
 def properties():
-    """The settings of one output: header, default, and what values it takes."""
+    """The settings of one output: header, default, and accepted values."""
     settings = {
         "segment": (":SOUR{ch_id}:FUNC:ARB", "NONE", None),
         "rate": (":SOUR{ch_id}:FUNC:ARB:SRAT", "40000", {"min": 1e-6, "max": 1e9, "type": "float"}),
@@ -42,12 +42,15 @@ def properties():
 
 
 def address(index):
-    """The resource of an instrument of the rack; the first one has outputs 1 to OUTPUTS."""
+    """The resource name of an instrument of the rack; instrument 0 has outputs 1 to OUTPUTS."""
     return f"TCPIP::awg{index}::INSTR"
 
 
 def write(path, outputs):
-    """Writes the description of a rack with so many outputs, counted through; it is then `<path>@sim`."""
+    """Writes the description of a rack with `outputs` consecutively numbered outputs, to be opened as `<path>@sim`.
+
+    Returns the resource names of its instruments.
+    """
     starts = range(1, outputs + 1, OUTPUTS)
     devices = {f"awg{index}": device(range(start, start + OUTPUTS)) for index, start in enumerate(starts)}
     resources = {address(index): {"device": f"awg{index}"} for index in range(len(starts))}
@@ -56,7 +59,7 @@ def write(path, outputs):
 
 
 def device(outputs):
-    """One instrument with these outputs."""
+    """The description of one instrument with these outputs."""
     silent = ["*RST", "*CLS", ":FORM:BORD NORM", ":OUTP:TRIG:SLOP POS", ":OUTP:TRIG ON", "*TRG"]
     return {
         "eom": {"TCPIP INSTR": {"q": "\n", "r": "\n"}},

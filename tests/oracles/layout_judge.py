@@ -59,7 +59,7 @@ def number(proto, field):
 
 
 def sees(name, panel, topics):
-    """Points of the scenery that stand in the frame of the device are within the picture, from above."""
+    """Checks that the camera, looking down, sees every point of the scene and the plan that is given in the device's frame."""
     camera, frame = panel["cameraState"], panel["followTf"]
     half = camera["distance"] * math.tan(math.radians(camera["fovy"] / 2))
     for topic in (f"/{frame}/scene/points", f"/{frame}/plan/points"):

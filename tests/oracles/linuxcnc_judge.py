@@ -1,4 +1,4 @@
-"""What LinuxCNC's own interpreter makes of G-code: where each axis is sent, and how long each line takes by the feed that it derives.
+"""G-code as LinuxCNC's own interpreter reads it: the target of each axis, and the duration of each line from the derived feed.
 
 The interpreter is the module `gcode` of the package linuxcnc-uspace, which `.ci/run` unpacks into the folder `linuxcnc` beside the judges'
 Python; the package itself, with its desktop, is not installed.
@@ -19,15 +19,15 @@ from verdict import Skipped, demand
 
 FOLDER = Path(os.environ.get("TWEEZE_LINUXCNC", Path(sys.prefix) / "linuxcnc"))
 READER = Path(__file__).resolve().parent / "linuxcnc_reader.py"
-# In the order of the interpreter's calls. Lengths are inches there, but A, B and C are counted as degrees.
+# Axes in the order of the interpreter's arguments. Lengths are in inches there, but A, B and C are in degrees.
 AXES = "XYZABCUVW"
 MM_OF_INCH = 25.4
-# What the lines of a program may add up to, for their feeds are doubles.
+# Rounding error that a program's lines may accumulate, because their feeds are doubles.
 DRIFT_NS = 50.0
 
 
 def calls(program):
-    """The calls of the interpreter for a program."""
+    """The calls that the interpreter makes for a program, each as name and arguments."""
     if not any(FOLDER.glob("usr/lib/python3/dist-packages/gcode.*.so")):
         raise Skipped(f"LinuxCNC's interpreter is not in {FOLDER}")
     libraries = [str(FOLDER / "usr/lib"), *map(str, FOLDER.glob("usr/lib/*-linux-gnu"))]
@@ -44,7 +44,7 @@ def in_mm(places):
 
 
 def line_ns(before, after, feed):
-    """How long a straight line takes. The feed is that of the first group of axes that moves, in inches whatever they count."""
+    """Duration of a straight line. The feed applies to the first group of axes that moves, and is in inches even for A, B and C."""
     ways = {axis: after[axis] - before[axis] for axis in AXES}
     lengths = [math.hypot(*(ways[axis] for axis in group)) for group in ("XYZ", "UVW", "ABC")]
     moving = [index for index, length in enumerate(lengths) if length > 0]
@@ -53,7 +53,7 @@ def line_ns(before, after, feed):
 
 
 def played(program):
-    """Where each axis is, in millimetres, whenever a line has ended, and the instants of that in nanoseconds."""
+    """Returns the instants at which lines end, in ns, and the positions of all axes at them, in millimetres (A, B and C as read)."""
     at, t_ns, feed, times, places = None, 0.0, None, [], []
     for name, *arguments in calls(program):
         match name:
@@ -70,7 +70,7 @@ def played(program):
             case "dwell":
                 t_ns += arguments[0] * 1e9
             case _:
-                # Offsets, comments, the tool: nothing of these moves.
+                # Offsets, comments and tool calls move nothing.
                 continue
         times.append(t_ns)
         places.append(at)

@@ -1,4 +1,6 @@
-"""Reads a program with LinuxCNC's interpreter and prints its calls as JSON; in a process of its own, whose libraries are LinuxCNC's.
+"""Reads a program with LinuxCNC's interpreter and prints its calls as JSON.
+
+It runs in its own process so that LinuxCNC's libraries can be loaded.
 
     python linuxcnc_reader.py FOLDER PROGRAM      FOLDER holds the unpacked package
 """
@@ -10,7 +12,7 @@ from pathlib import Path
 
 
 class Canon:
-    """Takes the calls of the interpreter."""
+    """Records the calls of the interpreter."""
 
     def __init__(self, parameter_file):
         self.parameter_file, self.calls = parameter_file, []

@@ -1,4 +1,4 @@
-"""MCAP, read by the `mcap` package with the descriptors in the file and all checksums."""
+"""MCAP, read by the `mcap` package with the descriptors in the file; all checksums are validated."""
 
 import hashlib
 import math
@@ -13,10 +13,10 @@ from schedule import held
 from verdict import demand
 
 
-# Level of a beat in the log.
+# Log level of a beat: one simultaneous move of parts within a step.
 DEBUG = 1
 
-# What the topics of channels end with, by the unit.
+# Last part of a channel topic, by unit.
 TOPICS = {"V": "voltages", "um": "positions"}
 
 
@@ -27,7 +27,7 @@ def judge(path, schedule):
         attachments = {attachment.name: attachment.data for attachment in reader.iter_attachments()}
         metadata = {record.name: record.metadata for record in reader.iter_metadata()}
     with open(path, "rb") as file:
-        # From end to end: the checksum of the whole data section, which the reader above jumps over.
+        # Sequential read, which validates the checksum of the whole data section; the reader above skips it.
         records = sum(1 for _ in StreamReader(file, validate_crcs=True).records)
     demand(records >= len(messages), "the file is shorter than its index")
     topics = {}
@@ -44,9 +44,10 @@ def judge(path, schedule):
 
 
 def channels(channel, messages, device, unit, schedule, table):
-    """Every value against the JSON, and against the CSV where there is one; and no edge may be left out.
+    """Checks every value against the JSON and, where there is one, the CSV file; no edge may be missing.
 
-    A channel with drive trains is there twice, with their lower and their higher level."""
+    A channel with drive trains has two fields, for the lower and the higher level.
+    """
     fields = columns(channel.metadata, device, unit, schedule)
     for t_ns, proto in messages:
         for path, (name, bound) in fields.items():
@@ -62,7 +63,7 @@ def channels(channel, messages, device, unit, schedule, table):
 
 
 def columns(metadata, device, unit, schedule):
-    """What each field is: a channel, and which level of its drive trains."""
+    """Maps each field to its channel and the level of its drive trains: 0 for low, 1 for high, None without trains."""
     fields, kinds = {}, {"low": 0, "high": 1, None: None}
     for path, name in metadata.items():
         if path.endswith((".wire", ".bound", ".period_ns")):
@@ -84,13 +85,16 @@ def field(proto, path):
 
 
 def csv_columns(header, name, bound):
-    """Which columns of the CSV file have the voltage of a channel, or the two levels of its drive trains."""
+    """Indices of the CSV columns with the voltage of a channel, or with the two levels of its drive trains."""
     starts = (f"{name} [",) if bound is None else (f"{name}.first [", f"{name}.second [")
     return [next(index for index, column in enumerate(header) if column.startswith(start)) for start in starts]
 
 
 def log_lines(messages, schedule):
-    """Each step with its place and words, and what it reaches in numbers of at most six digits; operations of an assay; and beats of steps of boards."""
+    """Checks `/log`: each step with its source line, text and reached values; the operations of an assay; and the beats of board steps.
+
+    Reached values are compared with a relative tolerance of 1e-5 (1e-4 absolute), because they have at most six digits.
+    """
     key = lambda line: line[:2] + line[3:]
     for t, m in messages:
         demand(m.message.startswith(f"{m.file}:{m.line} "), f"/log does not say where `{m.message}` stands")
@@ -117,13 +121,13 @@ def log_lines(messages, schedule):
 
 
 def headline(step):
-    """The words of a step; where its operations have lines of their own, the first word and their number."""
+    """The text of a step; where its operations have their own lines, the text before the brace and the number of operations."""
     operations = step.get("operations", [])
     return f"{step['text'].split(' {')[0]}, {len(operations)} operations" if operations else step["text"]
 
 
 def beats_of_boards(beats, schedule):
-    """Of each step of a board in which parts move several times, one entry for each: when, and to which electrodes."""
+    """Checks that each board step with several moves of parts has one beat per move, with its instant and target electrodes."""
     wanted = []
     for plan_index, plan in enumerate(schedule.document["plans"]):
         if plan["kind"] != "electrode_array":
@@ -140,14 +144,14 @@ def beats_of_boards(beats, schedule):
     for t, m in beats:
         found.setdefault((m.file, m.line, m.message.split(" ", 1)[1].split(":")[0]), []).append((t, m.message))
     for file, line, beat, arrived, cells in wanted:
-        # A line in a loop has several.
+        # A line in a loop has several entries; the latest one before the arrival is meant.
         t, message = max((entry for entry in found.get((file, line, beat), []) if entry[0] < arrived), default=(arrived, "nothing"))
         named = sorted(tuple(map(int, cell)) for cell in re.findall(r" to \((\d+), (\d+)\)", message))
         demand(t < arrived and (named == cells or "more" in message), f"/log has `{message}` at {t} ns, not {cells}")
 
 
 def numbers(reached):
-    """The numbers of what a step reaches, in the order of its line."""
+    """The numbers of a reached value, in the order in which its line prints them."""
     if reached["of"] == "turn":
         return [reached["asked_deg"], reached["reached_deg"], abs(reached["off_deg"])]
     if reached["of"] == "orientation":
@@ -159,7 +163,7 @@ def numbers(reached):
 
 
 def motion(topics, schedule):
-    """Poses, ways and scenes against the states of the plans."""
+    """Checks poses, paths and scenes against the states of the plans."""
     for plan in schedule.document["plans"]:
         kinds = {"dimibot": robot, "electrode_array": board, "microrobots": bed, "fingers": hand}
         kinds[plan["kind"]](topics, plan, schedule)
@@ -168,7 +172,7 @@ def motion(topics, schedule):
 
 
 def robot(topics, plan, _):
-    """Pose, path and scene of an end-effector."""
+    """Checks the pose, path and scene of a DiMiBot's end-effector."""
     device, states = plan["device"], plan["states"]
     poses = dict((t, m.pose.position) for t, m in topics[f"/{device}/pose"][1])
     for state in states:
@@ -184,7 +188,7 @@ def robot(topics, plan, _):
 
 
 def board(topics, plan, _):
-    """Parts where the states say, also those that come later; for each of them a frame and a body."""
+    """Checks the positions of parts, including those that enter later; each has a frame and a body."""
     device, states = plan["device"], plan["states"]
     cells = topics[f"/{device}/cells"][1]
     pitches = set()
@@ -196,7 +200,7 @@ def board(topics, plan, _):
             if name not in state["parts"]:
                 continue
             column, row = state["parts"][name]
-            # Where nothing has moved since, nothing is said again.
+            # Poses are published only when a part moves.
             x, y = poses[max(t for t in poses if t <= state["t_ns"])]
             pitches |= {round(x / (column - 1), 6) for _ in "x" if column > 1} | {round(y / (row - 1), 6) for _ in "y" if row > 1}
             at = [m for t, m in cells if t <= state["t_ns"]][-1]
@@ -211,7 +215,7 @@ def board(topics, plan, _):
 
 
 def bed(topics, plan, _):
-    """Robots where the states say, and turned so; arms as numbers; for each robot a frame, a body and a way."""
+    """Checks the poses of robots and the state of their arms; each robot has a frame, a body and a path."""
     device, states = plan["device"], plan["states"]
     channel, messages = topics[f"/{device}/poses"]
     names = channel.metadata["robots"].split()
@@ -249,7 +253,7 @@ def bed(topics, plan, _):
 
 
 def hand(topics, plan, schedule):
-    """The part where the states say, and turned so; tips in frames where the stages are; a grasp for each state."""
+    """Checks the pose of the part, the frames of the tips against the stages, and the grasp of each state."""
     device, states = plan["device"], plan["states"]
     poses = {t: m.pose for t, m in topics[f"/{device}/pose"][1]}
     frames = [(t, {f.child_frame_id: f for f in m.transforms}) for t, m in topics["/tf"][1]]

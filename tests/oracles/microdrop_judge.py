@@ -1,8 +1,8 @@
-"""What MicroDrop does with its protocol and its device, against the schedule.
+"""Compares what MicroDrop does with its protocol and its device with the schedule.
 
-Both files are read by the rules of MicroDrop 1.9: steps by the names of its columns, electrodes from the layer `Device` of a picture
+Both files are read by the rules of MicroDrop 1.9: steps by the names of its columns, electrodes from the layer `Device` of an SVG
 whose unit is the pixel, neighbours from the layer `Connections`. The steps are then replayed, with the waits of the schedule at their
-prompts, and the electrodes that are on are held against the schedule at each of its edges.
+prompts, and the electrodes that are on are compared with the schedule at each of its edges.
 """
 
 import json
@@ -14,7 +14,7 @@ from verdict import demand
 SVG = "{http://www.w3.org/2000/svg}"
 MM_PER_PX = 25.4 / 96
 
-# Columns by what MicroDrop calls them, each with the end of its class and the type of its values.
+# Columns by MicroDrop's names, each with the suffix of its class name and the type of its values.
 COLUMNS = {
     "duration_s": ("builtins.duration_column.DurationColumnModel", float),
     "electrodes": ("builtins.electrodes_column.ElectrodesColumnModel", list),
@@ -25,14 +25,14 @@ COLUMNS = {
 
 
 def layer(root, label):
-    """The children of a layer, which any attribute names, in any case."""
+    """The children of a layer. Any attribute may name the layer; case is ignored."""
     found = [child for child in root if label in (value.casefold() for value in child.attrib.values())]
     demand(len(found) == 1 and not found[0].get("transform"), f"{len(found)} layers `{label}`")
     return list(found[0])
 
 
 def corners(text):
-    """Points of a path of straight lines, in pixels."""
+    """The points of an SVG path of straight lines, in pixels."""
     words = re.findall(r"[MLHVZmlhvz]|[-+]?[\d.]+(?:e[-+]?\d+)?", text)
     points, at, word = [], [0.0, 0.0], None
     while words:
@@ -52,7 +52,7 @@ def corners(text):
 
 
 def device(path):
-    """Electrodes of a device: channel and bounds in millimetres; and the pairs of neighbours."""
+    """Reads a device; returns its electrodes (channel and bounds) and their centres in millimetres, and the pairs of neighbours."""
     root = ET.parse(path).getroot()
     demand(root.tag == f"{SVG}svg", f"the root is {root.tag}")
     demand(all(re.fullmatch(r"[\d.]+", root.get(side, "")) for side in ("width", "height")), "sizes have units")
@@ -78,7 +78,7 @@ def device(path):
 
 
 def cells(schedule, driver):
-    """The cell of each channel of a driver, with its device; for a pad one that is beside no other."""
+    """The (device, column, row) of each channel of a driver; a pad gets a column far from all others."""
     found = {}
     for channel, (output, _) in schedule.drives(driver).items():
         board, column, row = re.fullmatch(r"(.*)\.(?:e(\d+)_|pad)(\d+)", channel).groups()
@@ -88,7 +88,10 @@ def cells(schedule, driver):
 
 
 def judge_device(path, wanted):
-    """Holds the places of electrodes against their cells: one lattice a board, rows upwards, squares that do not meet."""
+    """Checks electrode positions against their cells: one pitch per board, rows upwards, squares that do not overlap.
+
+    Returns the channel of each electrode by name.
+    """
     electrodes, middle, pairs = device(path)
     numbers = {channel: name for name, (channel, _) in electrodes.items()}
     demand(set(numbers) == set(wanted) and len(numbers) == len(electrodes), f"electrodes {sorted(numbers)}, not {sorted(wanted)}")
@@ -111,7 +114,7 @@ def judge_device(path, wanted):
 
 
 def steps(path, channels):
-    """The steps of a protocol as dictionaries, with what MicroDrop asks of the file."""
+    """The steps of a protocol as dictionaries; checks what MicroDrop requires of the file."""
     document = json.loads(path.read_text())
     demand(document["schema_version"] == 1 and document["row_flags"] == {}, "another form of protocol")
     demand(document["protocol_metadata"] == {"electrode_to_channel": channels}, "other channels than the device")
@@ -128,7 +131,7 @@ def steps(path, channels):
 
 
 def replay(rows, schedule, channels):
-    """What is on, from when to when on the clock of the schedule, with the waits in which it stays so."""
+    """The channels that are on, as (start ns, end ns, channels) in schedule time, including the waits that hold them."""
     holds = [(hold["start_ns"], hold["start_ns"] + hold["duration_ns"], hold["awaited"]) for hold in schedule.document.get("holds", [])]
     shown, t_ns, before = [], 0, set()
     for row in rows:
@@ -148,7 +151,7 @@ def replay(rows, schedule, channels):
 
 
 def judge_driver(schedule, name, facts, files):
-    """Holds the two files of a driver; the number of its steps."""
+    """Checks the two files of a driver; returns the number of steps."""
     wanted = cells(schedule, name)
     channels = judge_device(files[1], wanted)
     rows = steps(files[0], channels)

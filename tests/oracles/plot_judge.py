@@ -1,7 +1,8 @@
-"""What viewers draw of a log: its voltages and positions, thinned as they thin, are still the schedule.
+"""The plots that viewers draw of a log: its voltages and positions still show the schedule when decimated as viewers decimate.
 
-A plot of 1,000 pixels is drawn from a few points of each pixel, or from a thousand points in all. Wherever a channel holds for some pixels,
-the drawn line must be within 1 % of its range."""
+A plot of 1,000 pixels is drawn from a few points per pixel, or from a thousand points in all. Wherever a channel holds its value for
+several pixels, the drawn line must be within 1 % of the channel's range.
+"""
 
 import numpy
 from mcap.reader import make_reader
@@ -11,9 +12,9 @@ from mcap_judge import TOPICS, columns, field
 from verdict import demand
 
 PIXELS = 1000
-# How far a line may be from the value, as a part of the channel's range.
+# Tolerance of the drawn line, as a fraction of the channel's range.
 SHARE = 0.01
-# Pixels at both sides of a pixel in which the value holds there too.
+# Pixels on either side of a checked pixel in which the value must hold too, by decimation method.
 MARGIN = {"pixel": 1, "triangle": 4}
 
 
@@ -29,7 +30,7 @@ def judge(path, schedule):
         channel, messages = topics[f"/{device}/{TOPICS[unit]}"]
         times = numpy.array([t for t, _ in messages], dtype=float)
         fields = columns(channel.metadata, device, unit, schedule)
-        # Of very many channels some pixels each.
+        # With very many channels, only some pixels of each are checked.
         stride = 1 + len(fields) // 20
         for path_, (name, bound) in fields.items():
             values = numpy.array([field(proto, path_) for _, proto in messages])
@@ -42,7 +43,7 @@ def judge(path, schedule):
 
 
 def by_pixel(times, values, duration_ns):
-    """First, least, greatest and last point of each pixel; not the last if it equals the first, as Lichtblick does."""
+    """Keeps the first, least, greatest and last point of each pixel; like Lichtblick, drops the last if it equals the first."""
     pixel = numpy.minimum((times / duration_ns * PIXELS).astype(int), PIXELS - 1)
     keep = []
     for start, end in zip(*(lambda cuts: (cuts[:-1], cuts[1:]))(numpy.searchsorted(pixel, numpy.arange(PIXELS + 1)))):
@@ -56,7 +57,7 @@ def by_pixel(times, values, duration_ns):
 
 
 def by_triangle(times, values, _):
-    """Largest triangles of three buckets: Steinarsson's thesis of 2013, with as many points as pixels."""
+    """Decimates to one point per pixel by largest triangle three buckets (LTTB, Steinarsson's thesis of 2013)."""
     count = len(times)
     if count <= PIXELS:
         return times, values
@@ -75,7 +76,7 @@ def by_triangle(times, values, _):
 
 
 def drawn(name, bound, way, times, values, schedule, range_, stride):
-    """The number of pixels at which the line through these points was held against the schedule."""
+    """Checks the line through these points against the schedule; returns the number of pixels checked."""
     if schedule.is_stage(name):
         return 0
     middles = (numpy.arange(PIXELS) + 0.5) * schedule.duration_ns / PIXELS

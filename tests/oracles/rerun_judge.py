@@ -1,7 +1,7 @@
-"""What Rerun makes of a log: its own reader turns it into what its views draw, and that moves as the log says.
+"""A log as Rerun shows it: its own reader converts the log to what its views draw, which must move as the log says.
 
-Rerun draws no `SceneUpdate`. What it shows in three dimensions are clouds of points in the frames of transforms, so every frame that
-moves must have one, and two instants must not look the same.
+Rerun does not draw `SceneUpdate`. Its 3D view shows point clouds in transform frames, so every frame that moves must have a cloud, and
+not all instants may look the same.
 """
 
 import numpy
@@ -11,9 +11,9 @@ from rerun.chunk import McapReader
 
 from verdict import demand
 
-# Instants that are looked at, besides the first.
+# Instants compared with the first.
 LOOKS = 20
-# Rerun may keep places as single-precision numbers.
+# Relative tolerance: Rerun may store positions in single precision.
 ROUNDING = 1e-5
 
 
@@ -41,14 +41,14 @@ def judge(path, schedule):
 
 
 def drawn(path):
-    """For each frame when it is moved and to which pose, and for each frame how many points it has, as Rerun reads a log."""
+    """Reads a log as Rerun does: the times and poses of each frame, and the most points of a cloud in each frame."""
     frames, clouds = {}, {}
     for chunk in McapReader(path, timeline_type="duration_ns").stream():
         batch = chunk.to_record_batch()
         names = set(batch.schema.names)
         if "Transform3D:translation" in names:
             times = batch.column("message_log_time").cast("int64").to_pylist()
-            # The first component of each row, an array of one.
+            # Each row is an array with one component.
             columns = (batch.column(f"Transform3D:{name}").to_pylist() for name in ("child_frame", "translation", "quaternion"))
             for t_ns, child, place, turn in zip(times, *columns):
                 if child and place and turn:
@@ -66,7 +66,7 @@ def in_order(rows):
 
 
 def transforms(path):
-    """The same of the transforms, by the reader of the log's own makers."""
+    """The times and poses of each frame, by the reference MCAP reader."""
     frames = {}
     with open(path, "rb") as file:
         for _, channel, message, proto in make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages(topics=["/tf"]):
@@ -78,7 +78,7 @@ def transforms(path):
 
 
 def view(frames, t_ns):
-    """Where every frame is at an instant: at the last place that it was moved to."""
+    """The pose of every frame at an instant: the last one published by then, or the first."""
     latest = []
     for times, places in (frames[frame] for frame in sorted(frames)):
         latest.append(places[max(0, numpy.searchsorted(times, t_ns, side="right") - 1)])

@@ -35,18 +35,18 @@ JUDGES = {
     ".svg": "svg_judge",
 }
 
-# Formats of instruments, with the family that a channel must be wired to.
+# Formats for instruments, with the instrument family that the program must have.
 PLAYED_BY = {".scpi": "waveform_generator", ".daq": "data_acquisition", ".frames.py": "electrode_driver", ".microdrop": "electrode_driver", ".stages.py": "stage_controller"}
 
-# Formats with one clock, in which no wait for an input or a person can stand.
+# Formats with a single clock, which cannot express a wait for an input or a person.
 ONE_CLOCK = {".csv", ".vcd", ".gtkw", ".cir"}
 
-# Second judges of some files.
+# Additional judges for some formats.
 SECOND = [(".vcd", "sigrok_judge"), (".mcap", "plot_judge"), (".mcap", "rerun_judge"), (".ngc", "linuxcnc_judge")]
 
 
 def judge(path, module, schedule):
-    """What is said of one file: a word for the outcome, and the reason."""
+    """The verdict on one file: outcome and reason."""
     if not path.exists() and not any(path.parent.glob(f"{path.stem}.*{path.suffix}")) and not any(path.parent.glob(f"{path.stem}.*{path.suffix}.*")):
         return "MISSING", "was not written"
     try:
@@ -57,12 +57,12 @@ def judge(path, module, schedule):
         return "SKIPPED", str(error)
     except Wrong as error:
         return "WRONG", str(error)
-    except Exception as error:  # a reader that gives up is a verdict too
+    except Exception as error:  # a reader that fails is a verdict too
         return "WRONG", f"{type(error).__name__}: {error}"
 
 
 def is_of_microdrop(schedule):
-    """Whether MicroDrop has a form for it: it drives some boards, knows electrodes only, and waits for people without an end."""
+    """Whether MicroDrop can play the schedule: it drives some boards, knows only electrodes, and only waits for people, without a limit."""
     drivers = schedule.instruments("electrode_driver")
     are_electrodes = all(re.search(r"\.e\d+_\d+$", channel) for name in drivers for channel in schedule.drives(name))
     are_prompts = all("person" in hold["awaited"] and not hold["is_bounded"] for hold in schedule.document.get("holds", []))
@@ -70,7 +70,7 @@ def is_of_microdrop(schedule):
 
 
 def verdicts_of(path):
-    """All verdicts on a schedule and the files beside it: file name, outcome, reason."""
+    """All verdicts on a schedule and the files beside it, as (file name, outcome, reason)."""
     from schedule import Schedule
 
     try:
@@ -93,8 +93,8 @@ def verdicts_of(path):
 
 
 def judge_folder(folder):
-    """All verdicts, schedule by schedule; several are judged at the same time, each in a process of its own."""
-    # A folder for each program; what begins with a dot is the tool's own, and a layout of a log is no schedule.
+    """All verdicts, schedule by schedule; schedules are judged in parallel processes."""
+    # Each program has a folder. Files whose names begin with a dot are Tweeze's own; layouts, OpenDrop and MicroDrop files are no schedules.
     paths = Path(folder).rglob("*.json")
     paths = sorted(path for path in paths if not path.name.startswith(".") and not path.name.endswith((".lichtblick.json", ".opendrop.json", ".microdrop.json")))
     if len(paths) < 2:

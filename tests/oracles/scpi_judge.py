@@ -1,6 +1,6 @@
-"""SCPI, sent to a simulated instrument; what it then holds against the schedule.
+"""SCPI, sent to a simulated instrument, whose resulting settings are compared with the schedule.
 
-The simulation speaks text only, so blocks are taken apart by pyvisa, put together again by it, and sent as numbers.
+The simulation accepts text only, so pyvisa decodes each block, re-encodes it to check the round trip, and the block is sent as numbers.
 """
 
 import re
@@ -17,12 +17,12 @@ NO_ERROR = '0,"No error"'
 FULL_SCALE = 32767
 # Most repetitions of a step in the 33500 series.
 MOST_REPEATS = 1_000_000
-# The most that a stage moves between two samples, unless there are as many as the memory takes.
+# Most that a stage may move between two samples, in um, unless the samples fill the memory.
 SAMPLE_UM = 0.05
 
 
 def messages(data):
-    """The messages of a script: up to a line feed that is not inside a block."""
+    """Splits a script into messages, each of which ends at a line feed outside any block."""
     found, start, at = [], 0, 0
     while at < len(data):
         if data[at : at + 1] == b"#" and data[at + 1 : at + 2].isdigit():
@@ -38,7 +38,7 @@ def messages(data):
 
 
 def as_text(message):
-    """A message whose block, if it has one, is written as numbers."""
+    """A message as text, with its block, if it has one, written as numbers."""
     at = message.find(b",#")
     if at < 0:
         return message.decode("ascii")
@@ -49,7 +49,7 @@ def as_text(message):
 
 
 def judge(path, schedule):
-    """Every script of a schedule, as its instrument would play it."""
+    """Judges every script of a schedule, as its instrument would play it."""
     verdicts = []
     for name, facts in schedule.instruments("waveform_generator").items():
         verdicts.append(f"{name}: " + judge_one(path.with_suffix(f".{name}.scpi"), name, facts, schedule))
@@ -77,14 +77,14 @@ def judge_one(path, name, facts, schedule):
 
 
 class Rack:
-    """Instruments whose outputs are counted through: what names an output goes to its instrument, all else to every one."""
+    """Instruments with consecutively numbered outputs: a message that names an output goes to its instrument, others go to all."""
 
     def __init__(self, description, outputs):
         addresses = instrument.write(description, outputs)
         self.manager = pyvisa.ResourceManager(f"{description}@sim")
         open_one = lambda address: self.manager.open_resource(address, read_termination="\n", write_termination="\n")
         self.instruments = [open_one(address) for address in addresses]
-        # The simulation remembers the last segment of an output only, so each is asked back as soon as it is there.
+        # The simulation keeps only the last segment of each output, so each segment is queried as soon as it is loaded.
         self.segments = {}
 
     def close(self):
@@ -93,7 +93,7 @@ class Rack:
         self.manager.close()
 
     def meant(self, text):
-        """The instruments that a message is for."""
+        """The instruments that a message is addressed to."""
         found = re.match(r":[A-Z]+(\d+)", text)
         if not found:
             return self.instruments
@@ -123,7 +123,7 @@ def send(awg, text):
 
 
 def compare(rack, facts, channel, output, link, schedule):
-    """What an output would play, before the amplifier or the driver behind it: samples times scale, at their times."""
+    """Compares the scaled samples of an output, before the amplifier or driver behind it, with the schedule; returns their number."""
     number = output.removeprefix("ch")
     ask = lambda header: rack.query(header.replace("{}", number) + "?")
     demand(ask(":OUTP{}") == "ON" and ask(":OUTP{}:LOAD") == "INF", f"{output} is not on, or not into an open circuit")
@@ -143,7 +143,7 @@ def compare(rack, facts, channel, output, link, schedule):
     demand(sum(map(len, segments.values())) <= facts["most_points"], f"the memory of {output} is too small")
     demand(all(len(segment) >= facts["least_points"] for segment in segments.values()), f"{output} has too short a segment")
     codes = [code for segment in segments.values() for code in segment]
-    # The manual allows the whole amplitude to waveforms that use the whole range of the converter only.
+    # According to the manual, only waveforms that use the whole range of the converter reach the full amplitude.
     demand((min(codes), max(codes)) == (-FULL_SCALE, FULL_SCALE), f"{output} uses codes {min(codes)} to {max(codes)} only")
     steps = ask(":SOUR{}:DATA:SEQ")
     waits, codes = waveform(ask, segments) if steps == "none" else sequence(ask, facts, segments, steps)
@@ -174,14 +174,14 @@ def compare(rack, facts, channel, output, link, schedule):
     for (begin, end), part in zip(parts, codes):
         for index, code in enumerate(part):
             t_ns = begin + index * period_ns
-            # A wait may hold for a while what it finds.
+            # Samples past the end of a part repeat the value that the wait there holds.
             level = wanted(t_ns if end == schedule.duration_ns and len(parts) > len(holds) else min(t_ns, end))
             demand(near(code, level), f"{output} gives {volts(code)} V at {t_ns} ns, not {level} V")
     return sum(map(len, codes))
 
 
 def waveform(ask, segments):
-    """What one segment in a burst waits at and rests at, and its samples from the second on, at which the schedule begins."""
+    """For one segment in a burst: the codes at which it waits and rests, and its samples from the second on, where the schedule begins."""
     demand(ask(":SOUR{}:BURS:STAT") == "ON" and ask(":SOUR{}:BURS:NCYC") == "1", "the waveform is not played once")
     name = ask(":SOUR{}:FUNC:ARB")
     demand(name in segments, f"{name} is no segment")
@@ -190,9 +190,10 @@ def waveform(ask, segments):
 
 
 def sequence(ask, facts, segments, block):
-    """What a sequence waits at and rests at, and its samples from each trigger on.
+    """For a sequence: the codes at which it waits and rests, and its samples from each trigger on.
 
-    As the 33500 series plays it: a name, then for each step a segment, how many times, how it goes on, and a marker."""
+    Format of the 33500 series: a name, then for each step a segment, repetitions, play control, marker mode and marker point.
+    """
     offset, length = util.parse_ieee_block_header(block.encode("ascii"))
     demand(offset + length == len(block), "the block of a sequence has another length")
     name, *rest = block[offset:].split(",")

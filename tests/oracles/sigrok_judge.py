@@ -37,13 +37,13 @@ def judge(path, schedule):
 
 
 def imported(sigrok, path, names):
-    """A row of bytes for each sample, whose bits are the wires in their order."""
+    """The imported samples, a row of bytes each, whose bits are the wires in order (least significant bit first)."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "samples"
         run = [sigrok, "-l", "3", "-I", "vcd", "-i", str(path)]
         shown = subprocess.run([*run, "--show"], capture_output=True, text=True, timeout=300)
         found = re.findall(r"^- (\S+): logic$", shown.stdout, re.MULTILINE)
-        # Later versions put the scope before a name.
+        # Later versions prefix names with their scope.
         demand([name.rpartition(".")[2] for name in found] == names, f"sigrok finds {len(found)} wires of {len(names)}: {shown.stderr[-300:]}")
         made = subprocess.run([*run, "-O", "binary", "-o", str(out)], capture_output=True, text=True, timeout=300)
         demand(made.returncode == 0 and out.exists(), f"sigrok imports nothing: {made.stderr[-300:]}")
@@ -52,7 +52,7 @@ def imported(sigrok, path, names):
 
 
 def channel_of(text, schedule):
-    """The channel of each 1-bit wire."""
+    """The channel of each 1-bit wire, by the wire's name."""
     channels = {}
     for variable, name, _, _, wire in COMMENT.findall(text):
         for start in (variable, re.sub(r"[.\[\]{}]", "_", wire)):

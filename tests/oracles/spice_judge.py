@@ -1,4 +1,4 @@
-"""The deck, run by ngspice; its node voltages against the schedule."""
+"""The SPICE deck, run by ngspice; its node voltages are compared with the schedule."""
 
 import re
 import shutil
@@ -11,11 +11,11 @@ import numpy
 from verdict import Skipped, demand
 
 TOLERANCE_V = 1e-9
-# The deck's sources rise from an edge on for 1 ns; printed times have 12 digits.
+# Window around an edge in which voltages are not compared: sources take 1 ns to change, and printed times have 12 digits.
 BEFORE_NS, AFTER_NS = 0.5, 1.5
-# The deck may stop after so many edges, which ngspice takes some thirty points for each.
+# Number of edges after which the deck may stop early, because ngspice computes some thirty points for each.
 MANY_EDGES = 20_000
-# And it asks every source at each of them.
+# Bound on edges times sources, because ngspice evaluates every source at each point.
 MUCH_WORK = 5_000_000
 
 
@@ -38,13 +38,13 @@ def judge(path, schedule):
 
 
 def nodes(sources):
-    """The node of each channel, as the comments of the sources say."""
+    """The node of each channel, from the comments in the sources."""
     pattern = r"^\* (\S+) (?:\[V\]|\[um\], 1 V stands for 1 um).*\nV(\S+) (\S+) \S+ PWL\($"
     return {name: node.lower() for name, _, node in re.findall(pattern, sources.read_text(), re.MULTILINE)}
 
 
 def stop_ns(deck, schedule):
-    """Where the deck stops: at the end of the schedule, but for very many edges."""
+    """The instant at which the deck stops: the end of the schedule, or earlier if there are very many edges."""
     stop = re.search(r"^\.tran \S+ (\S+)$", deck.read_text(), re.MULTILINE)
     stop = min(round(float(stop[1]) * 1e9), schedule.duration_ns)
     passed = sum(edge <= stop for channel in schedule.channels for edge in schedule.edges(channel))
@@ -66,7 +66,7 @@ def compare(header, table, node_of, stop, schedule):
         error = numpy.abs(volts - expected(schedule, channel, t_ns, stop))[away(edges, t_ns)]
         demand(error.size > 0, f"{channel} has no point away from its edges")
         at = t_ns[away(edges, t_ns)][error.argmax()]
-        # Instants are printed with twelve digits, which on a slope is some way.
+        # Times are printed with twelve digits, so positions on a slope are off accordingly.
         slope = schedule.fastest(channel) * t_ns[-1] * 1e-11 if schedule.is_stage(channel) else 0.0
         demand(error.max() <= TOLERANCE_V + slope, f"{channel} is off by {error.max()} V at {at} ns")
         worst, points = max(worst, error.max()), points + error.size
@@ -74,7 +74,7 @@ def compare(header, table, node_of, stop, schedule):
 
 
 def expected(schedule, channel, t_ns, stop):
-    """The schedule at these instants."""
+    """The scheduled values at these instants; checks that every pulse and stroke has points in it."""
     values = numpy.full(len(t_ns), schedule.rest(channel, -1))
     for start, end, first, last, half in schedule.pulses[channel]:
         inside = (t_ns >= start) & (t_ns < end)
@@ -92,7 +92,7 @@ def expected(schedule, channel, t_ns, stop):
 
 
 def away(edges, t_ns):
-    """Whether instants are away from the rise of every edge."""
+    """Mask of the instants outside the window around every edge."""
     before = numpy.searchsorted(edges, t_ns - AFTER_NS, side="left")
     near = edges[numpy.minimum(before, len(edges) - 1)]
     return (t_ns < near - BEFORE_NS) | (t_ns > near + AFTER_NS)

@@ -1,7 +1,7 @@
-"""What controllers of stages do with the places of a schedule, against the schedule.
+"""Compares what stage controllers do with the positions of a schedule with the schedule.
 
-The sender itself runs: on controllers of PI that are played here by their manual, and on a stand-in for the package of SmarAct. Where each
-stage is told to be at each instant of the controller's own clock is then held against the schedule.
+The sender itself runs, on PI controllers simulated after their manual and on a stand-in for SmarAct's package. The commanded position of
+each stage at each tick of the controller's own clock is then compared with the schedule.
 """
 
 import json
@@ -20,7 +20,7 @@ PM_OF_UM = 1_000_000
 
 
 def run(program, arguments, **environment):
-    """Runs a sender on the stand-in; its exit status, its words, and the log of all calls."""
+    """Runs a sender on the stand-in; returns its exit status, its output, and the log of all calls."""
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "calls.jsonl"
         environment = os.environ | {"PYTHONPATH": str(STAND_IN), "STANDIN_LOG": str(log)} | environment
@@ -57,7 +57,7 @@ def judge(path, schedule):
 
 
 def of_gcs(board, facts, several):
-    """The places of each axis in each part, and that it begins with the others."""
+    """The positions of each axis in each part, in um; checks that the controller starts together with the others."""
     follows = facts["start"] == "trigger"
     demand(all(mode == (BY_TRIGGER if follows else AT_ONCE) for mode, _ in board.played), "it begins by another start")
     demand(board.pulse == ([("1", "1", "1")] if several and not follows else []), f"its pulse is {board.pulse}")
@@ -66,7 +66,7 @@ def of_gcs(board, facts, several):
 
 
 def of_mcs2(calls):
-    """The places of each axis in each part, in micrometres."""
+    """The positions of each axis in each part, in um."""
     played = []
     for call in calls:
         if call[0] == "OpenStream":
@@ -82,7 +82,7 @@ def of_mcs2(calls):
 def compare(schedule, channel, axis, places, period_ns, times):
     begin, end = times
     sign = {"forward": 1, "backward": -1}[axis["direction"]]
-    # Places are at most a point, of up to two servo cycles here, beside the way: half of what the fastest stage goes in that time.
+    # A table point lasts up to two servo cycles here; a position may be off by half of what the stage, at its fastest, moves in that time.
     bound_um = schedule.fastest(channel) * period_ns + 2e-6
     demand(begin + len(places) * period_ns >= end - 1, f"{channel} ends too early")
     demand(begin + (len(places) - 2) * period_ns <= end + period_ns, f"{channel} goes on after the end")

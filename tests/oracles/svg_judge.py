@@ -1,4 +1,4 @@
-"""SVG, read by the XML parser of Python: a picture that stands alone, whose marks are where the schedule has them."""
+"""SVG, read by Python's XML parser: a self-contained picture whose marks are where the schedule has them."""
 
 import re
 from xml.etree import ElementTree
@@ -8,7 +8,7 @@ from verdict import demand
 SVG = "{http://www.w3.org/2000/svg}"
 ALLOWED = {"svg", "title", "g", "path", "rect", "circle", "text", "clipPath"}
 
-# Least width of a letter and height above the base line, as shares of the size of a text.
+# Least width of a letter and height above the baseline, as fractions of the font size.
 NARROW, HIGH = 0.28, 0.7
 
 WITHIN_UM = 1e-3
@@ -48,7 +48,7 @@ def stands_alone(root):
 
 
 def fits(root):
-    """Every text lies within the picture, by the least width that it can have; the number of texts."""
+    """Checks that every text lies within the picture, given the least width that it can have; returns the number of texts."""
     left, top, width, height = map(float, root.get("viewBox").split())
     demand(left == top == 0 and root.get("width") in ("85mm", "175mm"), "the picture fits no column")
     demand(abs(width / 72 * 25.4 - float(root.get("width")[:-2])) < 1e-2, "a unit is no point")
@@ -64,7 +64,7 @@ def fits(root):
 
 
 def marks_of(scene):
-    """The marks of a scene that stand for something at an instant: scene, instant, mark."""
+    """Yields the marks of a scene that show a state, as (scene, instant in ns, mark)."""
     for mark in scene.iter():
         for t_ns in (mark.get("data-t-ns") or "").split():
             yield scene, int(t_ns), mark
@@ -115,7 +115,10 @@ def held_against(plans, schedule, scene, t_ns, mark):
 
 
 def on_its_way(plans, state, t_ns, place):
-    """The place of a state; at an instant between two states, of which another robot has one, the nearest on the way to the next."""
+    """The expected position: that of the state or, at an instant between two states, the point nearest to `place` on the way to the next.
+
+    A robot is drawn between two of its states where another robot has a state.
+    """
     states = [state for plan in plans for state in plan["states"]]
     following = [other for other in states if other["t_ns"] > t_ns]
     here = state["position_um"]
@@ -128,7 +131,7 @@ def on_its_way(plans, state, t_ns, place):
 
 
 def placed(place, frame):
-    """A place of a robot's own frame in the scene."""
+    """Converts a position from a robot's own frame to the scene."""
     if not frame:
         return place
     from math import cos, sin
@@ -138,7 +141,7 @@ def placed(place, frame):
 
 
 def on_paper(scene, mark, place, what):
-    """The middle of a mark is where the scale of its scene puts a place."""
+    """Checks that the centre of a mark is where the scale of its scene puts the position."""
     scale, left, base = numbers(scene, "scale", "left", "base")
     expected = [left + scale * place[0], base - scale * place[1]]
     if mark.tag == f"{SVG}circle":
@@ -154,15 +157,15 @@ def on_paper(scene, mark, place, what):
 
 
 def ends(plans, drawn_ns):
-    """The first and the last state are drawn, by an instant at which things are as in it."""
+    """Checks that the first and the last state are drawn, at their own instant or at another one with an equal state."""
     for t_ns in (plans[0]["states"][0]["t_ns"], plans[-1]["states"][-1]["t_ns"]):
         without_time = {key: value for key, value in state_at(plans, t_ns).items() if key in KEPT}
         if without_time.get("parts") == {}:
-            # All have left the board.
+            # All parts have left the board.
             continue
         seen = any({key: value for key, value in state_at(plans, other).items() if key in KEPT} == without_time for other in drawn_ns)
         demand(seen, f"the state at {t_ns} ns is not drawn")
 
 
-# What of a state is seen.
+# Visible fields of a state.
 KEPT = ("position_um", "parts", "poses", "orientation")

@@ -1,7 +1,7 @@
-"""The sender of frames, on boards that are played here: what reaches them, when, and in what state they are left.
+"""The sender of frames, on simulated boards: what reaches them, when, and in what state they are left.
 
-The OpenDrop is a pseudo-terminal behind which a thread does what the board's firmware does with its bytes; the PurpleDrop is a server of
-JSON-RPC calls; the DropBot stands behind a package of its own. Times of the fixtures are stretched, so that a busy machine keeps them.
+The OpenDrop is a pseudo-terminal with a thread that handles its bytes as the board's firmware does; the PurpleDrop is a JSON-RPC server;
+the DropBot is a stand-in for its package. The fixtures' times are stretched so that a busy machine can keep them.
 """
 
 import csv
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.skipif(not FIXTURES.exists(), reason="TWEEZE_FIXTURES n
 
 
 class OpendropOnATerminal:
-    """Reads frames of 32 bytes and answers each with 24, unless it is mute."""
+    """A board that reads frames of 32 bytes and answers each with 24 bytes, unless it is mute."""
 
     def __init__(self, mute_after=None):
         self.ours, theirs = pty.openpty()
@@ -53,7 +53,7 @@ class OpendropOnATerminal:
 
 
 class PurpledropServer:
-    """Answers `set_electrode_pins`; a call with other parameters is an error, as from the real server."""
+    """A server that answers `set_electrode_pins`; a call with other parameters is an error, as with the real server."""
 
     def __init__(self, refuse=None):
         self.frames, outer = [], self
@@ -84,7 +84,7 @@ class PurpledropServer:
 
 
 def stretched(folder, stem):
-    """A copy of a fixture with longer frames; its sender, and when which channels are due."""
+    """Copies a fixture with longer frames; returns its sender and the times at which channels are due."""
     for file in (FIXTURES / "drivers").glob(f"{stem}.*"):
         shutil.copy(file, folder)
     table = folder / f"{stem}.driver.frames.csv"
@@ -143,7 +143,7 @@ def test_ctrl_c_switches_off(tmp_path):
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        # Where these tests run in the background of a script, the signal is ignored, and that is inherited.
+        # A script that runs these tests in the background ignores the signal, and child processes inherit that.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     while len(board.frames) < 3:
@@ -181,7 +181,7 @@ def test_a_dropbot_is_set_and_shows_each_frame_when_it_is_due(tmp_path):
     assert status == 0 and "all electrodes are off" in words, words
     names = [name for _, name, _ in calls]
     assert calls[0][1:] == ["port", "/dev/board"] and names[-1] == "terminate" and calls[-2][1:] == ["hv_output_enabled", False]
-    # Nothing is on when the voltage comes.
+    # All electrodes are off when the voltage is switched on.
     first = names.index("hv_output_enabled")
     assert [call[1:] for call in calls[1:first + 1]] == [
         ["state_of_channels", []], ["voltage", 100.0], ["frequency", 10000.0], ["hv_output_selected", True], ["hv_output_enabled", True],

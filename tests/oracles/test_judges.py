@@ -1,4 +1,4 @@
-"""The judges themselves: each finds the fault that is put into a good file.
+"""Tests of the judges themselves: each finds a fault that is put into a good file.
 
     TWEEZE_FIXTURES=DIR cargo test --lib emit::tests::write_fixtures -- --ignored
     TWEEZE_FIXTURES=DIR pytest tests/oracles
@@ -25,7 +25,7 @@ pytestmark = pytest.mark.skipif(not FIXTURES.exists(), reason="TWEEZE_FIXTURES n
 
 
 def verdict(folder, ending, stem="Pair"):
-    """Of the file of an ending; `sigrok` is the second judge of VCD."""
+    """The verdict on the file with this ending; `sigrok` stands for the second judge of VCD."""
     ending, judge = (".vcd", "sigrok_judge") if ending == "sigrok" else (ending, run.JUDGES[ending])
     return run.judge(folder / f"{stem}{ending}", judge, Schedule(folder / f"{stem}.json"))
 
@@ -44,7 +44,7 @@ def replace(path, old, new):
     path.write_bytes(data.replace(old, new, 1))
 
 
-# Formats of instruments that these fixtures are not wired to.
+# Formats for instruments that these fixtures are not wired to.
 PLAYED = (".daq", ".frames.py", ".microdrop", ".stages.py")
 
 
@@ -124,7 +124,7 @@ def test_a_fault_is_found(folder, judged, broken, old, new):
     assert outcome == "WRONG", reason
 
 
-# Of drive trains; the deck is the last to be judged, since ngspice takes a while.
+# Faults in drive trains; the deck is judged last because ngspice takes a while.
 TRAIN_FAULTS = [
     (".json", ".json", b'"period_ns": 50000', b'"period_ns": 50001'),
     (".csv", ".csv", b",130,115,50000,2000000\n", b",129,115,50000,2000000\n"),
@@ -158,7 +158,7 @@ def test_a_fault_of_a_train_is_found(folder, judged, broken, old, new):
     assert outcome == "WRONG", reason
 
 
-# Of stages.
+# Faults in stages.
 POSITION_FAULTS = [
     (".json", ".json", b'"unit": "um"', b'"unit": "mm"'),
     (".json", ".json", b'"plane": "xy"', b'"plane": "yz"'),
@@ -205,7 +205,7 @@ def test_gcode_is_asked_for_where_all_channels_are_stages(folder):
 def test_damage_of_a_log_is_found(folder):
     path = folder / "Pair.mcap"
     data = path.read_bytes()
-    # The footer says where the summary begins, whose checksum this reader does not look at.
+    # The footer gives the start of the summary, whose checksum this reader does not validate.
     (summary,) = struct.unpack("<Q", data[-28:-20])
     for at in range(8, summary - 13, summary // 12):
         broken = bytearray(data)
@@ -314,7 +314,7 @@ def test_blocks_may_hold_line_feeds():
     assert scpi_judge.as_text(b"A B,#14\x00\x0a\xff\xff") == "A B,10 -1"
 
 
-# Of lines and outputs of cards.
+# Faults in digital lines and outputs of cards.
 CARD_FAULTS = [
     ("fetch", ".card.daq", b"\n1\t0x00000001", b"\n2\t0x00000001"),
     ("fetch", ".card.daq", b"0x00000001", b"0x00000002"),
@@ -352,7 +352,7 @@ def test_lines_are_off_after_an_error_and_after_ctrl_c(monkeypatch, environment,
     assert rest and not any(level for call in rest for level in call.values()), words
 
 
-# Lines are written once at rest before anything is loaded; stages are not.
+# Digital lines are written once, at rest, before anything is loaded; stages are not.
 @pytest.mark.parametrize("sender,nth", [("fetch.nidaqmx.py", 2), ("turn.nidaqmx.py", 1)])
 def test_what_was_loaded_is_closed_where_loading_fails(monkeypatch, sender, nth):
     monkeypatch.setenv("STANDIN_FAULT", f"write:{nth}")
@@ -370,7 +370,7 @@ def test_a_sender_says_what_it_would_do(tmp_path):
     status, words, _ = daq_judge.played(sender, ["--list"])
     assert status == 0 and "Dev1" in words and "fetch.card.daq" in words, words
 
-# Of frames of electrode drivers.
+# Faults in frames of electrode drivers.
 FRAME_FAULTS = [
     ("od", ".driver.frames.csv", b",8\n", b",9\n"),
     ("od", ".driver.frames.csv", b"\n2,15,", b"\n2,16,"),
@@ -401,7 +401,7 @@ def test_a_fault_of_frames_is_found(tmp_path, stem, broken, old, new):
     outcome, reason = verdict(tmp_path, ".frames.py", stem)
     assert outcome == "WRONG", reason
 
-# Of the files for MicroDrop.
+# Faults in the files for MicroDrop.
 MICRODROP_FAULTS = [
     ("db", ".driver.microdrop.json", b"0.006,", b"0.0061,"),
     ("db", ".driver.microdrop.json", b'["electrode008"', b'["electrode009"'),
@@ -437,7 +437,7 @@ def test_a_fault_for_microdrop_is_found(tmp_path, stem, broken, old, new):
     assert outcome == "WRONG", reason
 
 
-# Of places of stages, with the instruments of PI and SmarAct.
+# Faults in positions of stages, with controllers of PI and SmarAct.
 STAGE_FAULTS = [
     ("pi", ".pi1.stages.csv", b"\n0,78.5", b"\n0,79.5"),
     ("pi", ".pi2.stages.csv", b"point,axis1 [um],axis2 [um]", b"point,axis2 [um],axis1 [um]"),
@@ -490,7 +490,7 @@ def test_a_machine_moves_stages_as_their_wires_say(tmp_path, judge, broken, old,
     outcome, reason = run.judge(tmp_path / "mill.ngc", judge, Schedule(tmp_path / "mill.json"))
     if outcome == "SKIPPED":
         pytest.skip(reason)
-    # How far corners may be rounded is not asked of the interpreter.
+    # The interpreter does not judge how far corners may be rounded.
     is_good = not broken or (judge == "linuxcnc_judge" and old.startswith(b"G64"))
     assert outcome == ("right" if is_good else "WRONG"), reason
 
@@ -508,7 +508,7 @@ def test_linuxcnc_finds_a_fault_of_positions(folder, old, new):
 
 
 def test_linuxcnc_knows_the_words_of_waits(tmp_path):
-    """A wait for an input, as it stands in G-code, is taken; what follows one that was too long breaks the program off."""
+    """The G-code for a wait for an input is accepted; the lines after it abort the program if the wait timed out."""
     program = tmp_path / "wait.ngc"
     wait = "M66 P3 L3 Q5.000000000 ; motion.digital-in-03 high\no1 if [#5399 LT 0]\n(ABORT, it has not come)\no1 endif\n"
     program.write_text(f"G21\nG90\nG93\nG0 X0\n{wait}G1 X0.001 F600\nM2\n")

@@ -1,4 +1,4 @@
-"""The judge that reads logs as Rerun does finds what Rerun would not show."""
+"""Tests that the judge that reads logs as Rerun does finds what Rerun would not show."""
 
 import os
 import shutil
@@ -20,7 +20,7 @@ from verdict import Wrong  # noqa: E402
 
 
 def copied(source, target, keep):
-    """A copy of a log with the messages that `keep` takes, by topic and time."""
+    """Copies the messages of a log for which `keep(topic, log_time)` holds."""
     with open(source, "rb") as read, open(target, "wb") as written:
         writer = Writer(written)
         writer.start()
@@ -50,7 +50,7 @@ def test_a_copy_of_a_log_is_right_and_one_without_its_clouds_is_not(tmp_path, st
 
 
 def test_instants_that_look_the_same_are_found(tmp_path):
-    """All that moves does so at the very beginning, long before the first look."""
+    """With all motion put at instant 0, all later instants look like the first."""
     log = tmp_path / "Pair.mcap"
     shutil.copy(FIXTURES / "Pair.mcap", log)
     frames, clouds = rerun_judge.drawn(log)

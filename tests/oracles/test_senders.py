@@ -1,4 +1,4 @@
-"""The sender of SCPI scripts, on a stand-in for PyVISA: what reaches the instrument, and in what state it is left."""
+"""The sender of SCPI scripts, on a stand-in for PyVISA: what reaches the instruments, and in what state they are left."""
 
 import json
 import os
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.skipif(not FIXTURES.exists(), reason="TWEEZE_FIXTURES n
 
 
 def sent(tmp_path, arguments, **environment):
-    """Exit status, words, and the messages that the instruments got."""
+    """Runs the sender; returns its exit status, its output, and the messages that the instruments received."""
     log = tmp_path / "sent.jsonl"
     environment = os.environ | {"PYTHONPATH": str(STAND_IN), "STANDIN_LOG": str(log)} | environment
     command = [sys.executable, str(FIXTURES / "Pair.scpi.py"), *arguments]

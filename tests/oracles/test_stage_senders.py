@@ -1,4 +1,4 @@
-"""The sender of places of stages, on controllers that are played here: what it says, and that stages are stopped whatever happens."""
+"""The sender of stage positions, on simulated controllers: what it sends and prints, and that stages are stopped whatever happens."""
 
 import os
 import signal
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.skipif(not FIXTURES.exists(), reason="TWEEZE_FIXTURES n
 
 
 def controllers(**facts):
-    """Three controllers, and the words that name them to the sender."""
+    """Three controllers, and the arguments that give their addresses to the sender."""
     boards = [gcs_controller.GcsController(**facts) for _ in range(3)]
     return boards, [f"pi{number}={board.address}" for number, board in enumerate(boards, 1)]
 
@@ -70,7 +70,7 @@ def test_ctrl_c_stops_every_stage():
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        # Where these tests run in the background of a script, the signal is ignored, and that is inherited.
+        # A script that runs these tests in the background ignores the signal, and child processes inherit that.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     while not all(moves(board) for board in boards):

@@ -1,4 +1,4 @@
-"""VCD, read by two readers: vcdvcd and pyvcd. The voltages of a channel are put together again from its variables."""
+"""VCD, read by two readers, vcdvcd and pyvcd. The voltages of a channel are reconstructed from its variables."""
 
 import re
 
@@ -8,7 +8,7 @@ from vcdvcd import VCDVCD
 from schedule import held, swung
 from verdict import demand
 
-# What a count of a position stands for.
+# Resolution of a position.
 COUNT_UM = 0.01
 UNIT_NS = {"ns": 1, "us": 10**3, "ms": 10**6, "s": 10**9}
 COMMENT = re.compile(r"^\$comment (\S+) is (\S+) \[(V|um)\](.*), wire: (.*) \$end$", re.MULTILINE)
@@ -34,7 +34,7 @@ def judge(path, schedule):
 
 
 def one_scale(unit_ns, schedule):
-    """Every instant is a whole number of units, and none of ten units unless a unit is a second or a stage moves."""
+    """Checks that every instant is a whole number of units and, unless a unit is a second or a stage moves, that ten units would not do."""
     instants = {t for channel in schedule.channels for t in schedule.ends(channel)} | {schedule.duration_ns}
     demand(all(t % unit_ns == 0 for t in instants), f"a unit of {unit_ns} ns does not divide all instants")
     is_longest = unit_ns == 10**9 or any(map(schedule.is_stage, schedule.channels)) or any(t % (10 * unit_ns) for t in instants)
@@ -42,7 +42,7 @@ def one_scale(unit_ns, schedule):
 
 
 def compare(types, changes, unit_ns, name, form, channel, schedule):
-    """A channel under one of its names."""
+    """Compares a channel, under one of its names, with the schedule."""
 
     def of(suffix, kind):
         demand(name + suffix in changes, f"{name}{suffix} is not there")
@@ -71,7 +71,7 @@ def compare(types, changes, unit_ns, name, form, channel, schedule):
 
 
 def train(series):
-    """The voltage as a function, of a train's bit, its two levels and its period: a period begins where one of them changes."""
+    """The voltage as a function of time, from a train's bit, its two levels and its period; a train begins where one of them changes."""
     starts = sorted({t for times, values in series for (t, v), last in zip(zip(times, values), [None, *values]) if v != last})
 
     def value(t_ns):
@@ -83,7 +83,7 @@ def train(series):
 
 
 def counts(times, values, name, channel, schedule):
-    """A position is the nearest multiple of 0.01 um, on both sides of every change, at every bend, and at the end."""
+    """Checks that positions are the nearest multiple of 0.01 um, on both sides of every change, at every bend, and at the end."""
     instants = {*schedule.edges(channel), *times, *(t - 1 for t in times), 0, schedule.duration_ns}
     for t_ns in sorted(t for t in instants if t >= 0):
         found, expected = held(times, values, t_ns), schedule.value(channel, t_ns)

@@ -1,12 +1,12 @@
-"""What a judge says of a file."""
+"""Verdicts of judges."""
 
 
 class Wrong(Exception):
-    """The file does not say what the schedule says."""
+    """The file disagrees with the schedule."""
 
 
 class Skipped(Exception):
-    """The judge is not here."""
+    """The judge, or a file that it needs, is not available."""
 
 
 def demand(condition, what):

@@ -1,4 +1,4 @@
-"""The one browser of all tests of pages and pictures; `CHROMIUM` names it if it is not on the path."""
+"""The browser shared by all tests of pages and pictures; `CHROMIUM` names it if it is not on the path."""
 
 import os
 import shutil
@@ -18,7 +18,7 @@ def browser():
         browser.close()
 
 
-# Opened once for all tests, each of which leaves the window as it was.
+# Each page is opened once for all tests, so each test must leave the window as it was.
 @pytest.fixture(scope="session", params=PAGES, ids=name_of)
 def page(browser, request):
     with opened(browser, request.param, WINDOWS[0]) as page:

@@ -1,4 +1,4 @@
-"""A headless Firefox, driven by WebDriver BiDi, which every Firefox speaks without a driver."""
+"""A headless Firefox, driven by WebDriver BiDi, which Firefox speaks without a separate driver."""
 
 import itertools
 import json
@@ -21,10 +21,10 @@ class Firefox:
         assert path, "a Firefox is needed: name it by FIREFOX"
         self.profile = tempfile.mkdtemp(prefix="tweeze-firefox-")
         command = [path, "--headless", "--no-remote", "--profile", self.profile, "--remote-debugging-port", "0"]
-        # Without a folder of its own for settings it would use that of the user.
+        # Its own HOME keeps it from using the user's settings.
         self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env={**os.environ, "HOME": self.profile})
         place = self.listening()
-        # What Firefox says later must be read, or it waits for it.
+        # Later output must be read, or Firefox blocks when the pipe is full.
         threading.Thread(target=self.process.stderr.read, daemon=True).start()
         self.open_things = ExitStack()
         self.socket = self.open_things.enter_context(connect(f"{place}/session", max_size=None, open_timeout=LIMIT_S))
@@ -52,7 +52,7 @@ class Firefox:
             self.hear(answer)
 
     def hear(self, event):
-        """Errors and warnings of the page, and requests that leave it and the disk."""
+        """Logs errors and warnings of the page, and requests to anything but files and data URLs."""
         params = event["params"]
         if event["method"] == "log.entryAdded" and params["level"] in ("error", "warn"):
             self.logged.append(params["text"])
@@ -67,7 +67,7 @@ class Firefox:
         self.ask("browsingContext.navigate", context=self.context, url=url, wait="complete")
 
     def evaluate(self, function, argument):
-        """What a function of the page gives for an argument, both as JSON."""
+        """Calls a JavaScript function in the page; argument and result pass as JSON."""
         call = f"JSON.stringify(({function})({json.dumps(argument)}))"
         answer = self.ask("script.evaluate", expression=call, target={"context": self.context}, awaitPromise=True)
         assert answer["type"] == "success", answer

@@ -1,4 +1,4 @@
-"""Work per frame of pages, in milliseconds: `python frames.py PAGE...`. No test: times are of this machine."""
+"""Measures the work per frame of pages, in milliseconds: `python frames.py PAGE...`. Not a test, because times depend on the machine."""
 
 import os
 import shutil

@@ -1,11 +1,11 @@
-"""Least gaps of schedules, from the data of a page alone: by other means than those of the verifier and of the page."""
+"""Least gaps of schedules, computed from the data of a page alone and independently of the verifier and of the page's script."""
 
 import itertools
 import math
 
 
 def apart(one, other):
-    """Distance of two bodies that do not meet, each a list of corners in order: of every side from every side."""
+    """Distance between two disjoint bodies, each a list of corners in order: the least over all pairs of sides."""
     return min(sides_apart(a, b) for a in sides(one) for b in sides(other))
 
 
@@ -28,7 +28,7 @@ def point_apart(point, side):
 
 
 def solid(body):
-    """The corners of an obstacle in its place, and the radius about them."""
+    """The corners of an obstacle in the scene, and the radius around them, in um."""
     shape, pose = body["shape"], body["pose"]
     name = shape if isinstance(shape, str) else next(iter(shape))
     figures = {} if isinstance(shape, str) else shape[name]
@@ -53,7 +53,7 @@ def placed(pose, place):
 
 
 def of_tip(plan, order):
-    """How near the tip comes to an obstacle, by its name; none where several modules move at once."""
+    """The least gap between the tip and each obstacle, in um, by obstacle name; None if several modules ever move at once."""
     states = plan["states"]
     ways = list(itertools.pairwise(states)) or [(states[0], states[0])]
     if any(bin(one["word"] ^ other["word"]).count("1") > 1 for one, other in ways):
@@ -69,7 +69,7 @@ def of_tip(plan, order):
 
 
 def ways(runs, t_ns):
-    """The ways of a tip about an instant: that on which it is, the one before and the one after."""
+    """The moves of a tip around an instant: the current one, the one before and the one after, each as (start, end)."""
     [(plan, order)] = [(plan, order) for plan, order in runs if plan["start_ns"] <= t_ns <= plan["start_ns"] + plan["duration_ns"]][-1:]
     places = [placed(order.get("frame"), state["position_um"]) for state in plan["states"]]
     at = sum(state["t_ns"] <= t_ns for state in plan["states"])
@@ -77,7 +77,7 @@ def ways(runs, t_ns):
 
 
 def of_parts(plan, order):
-    """How near two parts come, in electrodes; none where parts merge or are split, which brings them together."""
+    """The least gap between two parts, in electrodes; None if parts merge, split or come in during the plan, which brings them together."""
     actions = [step["action"] for step in order["steps"]]
     works = [work for action in actions if not isinstance(action, str) for work in action.get("move", []) + action.get("assay", [])]
     if any(work.get("with") is not None or work.get("splits") or work.get("comes") for work in works):
@@ -97,7 +97,7 @@ def ranges_apart(axis, one, other):
 
 
 def of_fingers(schedule, device, facts):
-    """How near two tips of a hand come: they go straight from one instant at which any axis turns to the next."""
+    """The least gap between two tips of a hand, in um; tips move straight between the instants at which any axis starts or ends a move."""
     channels = [channel["name"] for channel in schedule["channels"]]
     lines = {name: [] for name in channels if name.startswith(f"{device}.f")}
     for actuation in schedule["actuations"]:

@@ -10,13 +10,13 @@ WINDOWS = [(1280, 720), (1920, 1080)]
 
 
 def name_of(path):
-    """The name of a page's test: programs of different examples may have one name."""
+    """The test ID of a page; it includes the folder because programs of different examples may share a name."""
     return f"{path.parent.name}/{path.stem}"
 
 
 @contextmanager
 def opened(browser, path, size):
-    """A page with its `data`; in the end it must have asked for nothing but files, and have no error or warning in its console."""
+    """Opens a page and parses its `data`. It must request nothing but files and log no error or warning to its console."""
     page = browser.new_page(viewport={"width": size[0], "height": size[1]})
     errors = []
     page.on("console", lambda message: errors.append(message.text) if message.type in ("error", "warning") else None)

@@ -1,4 +1,4 @@
-"""The tightest clearances on pages: right by another geometry, drawn where they are, and a click away.
+"""The tightest clearances on pages: confirmed by independent geometry, drawn where they occur, and reached by a click.
 
 `TWEEZE_PAGES` names a folder of pages; `CHROMIUM` the browser, if it is not on the path.
 """
@@ -70,7 +70,7 @@ def test_nothing_comes_nearer(page):
         assert math.isclose(found["gap"], least, rel_tol=1e-6, abs_tol=1e-6), found
 
 
-# The corners of all robots of a bed at many instants, and which of them are driven then.
+# For each instant, the corners of all robots of a bed, and whether each is driven then.
 ROBOTS = """([name, instants]) => {
   const device = tweeze.model.devices.find((device) => device.name === name);
   return instants.map((t_ns) => robotsAt(device, t_ns).map(({ facts, pose, isDriven, isDocked }) =>
@@ -108,7 +108,7 @@ def test_two_tips_of_a_scene_are_as_near_as_it_says(page):
         for name, point, beyond in zip(found["between"], (one, other), (other, one), strict=True):
             radius = runs(page, name)[0][1]["facts"]["tip_radius_um"]
             centre = [a + (a - b) * radius / found["gap"] for a, b in zip(point, beyond, strict=True)]
-            # Where both move, each may be there at any instant of its pulse: on the way to its next place or from its last one.
+            # Where both tips move, each may be anywhere along its move during the pulse: to its next position or from its last one.
             near = [gaps.point_apart(centre, way) for way in gaps.ways(runs(page, name), found["t_ns"])]
             assert min(near) < 1e-6, found
 
@@ -138,23 +138,23 @@ def test_a_click_draws_the_ruler_there(page, size):
         west, north, east, south = view["box"]
         assert west <= left and right <= east and north <= top and bottom <= south, found
         assert all(west <= x <= east and north <= y <= south for x, y in view["marks"]), found
-        # Names that a loupe cuts off do no harm: only what is inside of it must be apart.
+        # Names clipped by a loupe do not matter; only those inside it must not overlap the label.
         for other, *corners in view["boxes"][:-1]:
             is_inside = west <= corners[0] and corners[2] <= east and north <= corners[1] and corners[3] <= south
             is_apart = right <= corners[0] or corners[2] <= left or bottom <= corners[1] or corners[3] <= top
             assert is_apart or not is_inside, (words, other)
         if found["code"] == "E0760":
-            # A hand is turned until the gap is seen in its full length.
+            # The view of a hand is turned so that the gap is seen in its full length.
             seen = page.evaluate("({ points }) => points.map((point) => tweeze.views.find((view) => view.face).seen(point))", found)
             assert math.isclose(math.dist(*(place[:2] for place in seen)), found["gap"], rel_tol=1e-6), found
-        # Another instant has no ruler.
+        # The ruler is gone at another instant.
         page.keyboard.press("End" if found["t_ns"] == 0 else "Home")
         assert page.evaluate("tweeze.views.every(({ ruled }) => ruled === null)")
     page.set_viewport_size({"width": WINDOWS[0][0], "height": WINDOWS[0][1]})
 
 
 def test_together_the_pages_ask_every_rule():
-    """But those of recordings, which no page shows: a rule that counts nothing would be missing."""
+    """Except the rules for recordings, which no page shows; a rule that no page checks would be missing here."""
     text = (Path(__file__).parents[2] / "src" / "verify" / "catalogue.rs").read_text()
     rules = set(re.findall(r'^    \w+ (E07\d\d) "', text, re.MULTILINE))
     pages = (re.search(r'id="data">(.*?)</script>', path.read_text(), re.DOTALL)[1] for path in PAGES)
@@ -186,7 +186,7 @@ def test_forces_are_such_as_friction_and_adhesion_bear(page):
     kinds = {plan["kind"] for plan in page.data["schedule"]["plans"]}
     assert bool(forces) == ("fingers" in kinds)
     for force in forces:
-        # Where a tip sticks, friction begins at the force that pulls it off. The drawn outline has corners, which take a little.
+        # Where a tip sticks, friction counts from the pull-off force. The drawn outline is a polygon, hence the tolerance.
         pressed = force["normal"] + force["sticking"]
         assert -0.01 <= pressed <= force["most"] + force["sticking"] + 0.01, force
         assert force["along"] <= force["friction"] * pressed + 0.02 * (1 + force["normal"]), force

@@ -98,7 +98,7 @@ def test_what_a_proof_has_reached_is_shaded(page):
     reaches = [reach for finding in errors_first for reach in finding.get("reaches", [])]
     shown = page.locator("#claims .reached").all_text_contents()
     assert shown == [reach_text(reach) for reach in reaches]
-    # Each run is seen in the scene of its device, in the colour of the swatch; what is not reached is not.
+    # Each run of reached cells is drawn, within the view of its device.
     for reach in (reach for reach in reaches if "runs" in reach):
         drawn = page.evaluate(
             """(name) => {
@@ -111,7 +111,7 @@ def test_what_a_proof_has_reached_is_shaded(page):
             reach["device"],
         )
         if drawn is None:
-            continue  # of a schedule that the page does not show
+            continue  # the page does not show the device's schedule
         assert reach["runs"] in [one["runs"] for one in drawn]
         assert all(one["edges"] >= 4 and one["seen"] for one in drawn)
 

@@ -12,7 +12,7 @@ from opened import PAGES, name_of
 SHARES = [0, 0.13, 0.5, 0.77]
 SIZE = {"width": 1280, "height": 720}
 
-# What is shown at some instants, and by the page as a whole.
+# What the page shows at some instants, and as a whole.
 SHOWN = """(shares) => {
   const moments = shares.map((share) => {
     const t_ns = Math.round(tweeze.model.duration_ns * share);
@@ -55,7 +55,7 @@ def flat(value):
 
 
 def assert_same(one, other):
-    """The engines may round sines and cosines otherwise in the last digit."""
+    """Compares with a tolerance, because the engines may round sines and cosines differently in the last digit."""
     for first, second in zip(flat(one), flat(other), strict=True):
         if isinstance(first, float) or isinstance(second, float):
             assert math.isclose(first, second, rel_tol=1e-9, abs_tol=1e-6)
@@ -67,7 +67,7 @@ def test_there_are_pages():
     assert PAGES, "TWEEZE_PAGES names a folder without pages"
 
 
-# All pages have one script, so every third one will do.
+# All pages share one script, so every third page suffices.
 @pytest.mark.parametrize("path", PAGES[::3], ids=name_of)
 def test_it_is_the_same_page_as_in_chromium(firefox, browser, path):
     url = path.resolve().as_uri()
@@ -83,7 +83,7 @@ def test_it_is_the_same_page_as_in_chromium(firefox, browser, path):
     for ours, theirs in zip(found["moments"], expected["moments"], strict=True):
         assert (ours["now"], ours["clock"]) == (theirs["now"], theirs["clock"])
         assert_same(ours["states"], theirs["states"])
-        # Letters are drawn by each browser in its own way.
+        # Browsers render text differently.
         assert all(abs(one - other) < 0.02 for one, other in zip(ours["inked"], theirs["inked"], strict=True))
         assert max(ours["inked"]) > 0.01
 

@@ -28,7 +28,7 @@ def test_every_page_is_small():
 
 
 def shown(page, plan, instants):
-    """What the page draws of a plan's device at each of some instants, as a flat list of numbers."""
+    """What the page draws of a plan's device at each instant, as a flat list of numbers; None for a device placed by a frame."""
     return page.evaluate(
         """([name, instants]) => {
           const device = tweeze.model.devices.find((device) => device.name === name);
@@ -54,7 +54,7 @@ def recorded(plan, state):
         case "electrode_array":
             return [number for _, place in sorted(state["parts"].items()) for number in place]
         case "microrobots":
-            return None  # in the order of the scene; see below
+            return None  # its order is that of the scene; see below
         case "fingers":
             return state["position_um"] + state["orientation"]
 
@@ -65,7 +65,7 @@ def test_the_page_shows_the_states_of_the_schedule(page):
         states = [state for state in plan["states"] if plan["start_ns"] <= state["t_ns"]]
         last = {state["t_ns"]: state for state in states}
         following = [other["start_ns"] for other in schedule["plans"] if other["device"] == plan["device"]]
-        # Another run of the device may begin at this very instant.
+        # Instants at which another run of the device has begun are left out.
         instants = [t_ns for t_ns in sorted(last) if not any(plan["start_ns"] < start_ns <= t_ns for start_ns in following)]
         instants = instants[:: max(1, len(instants) // INSTANTS)]
         for t_ns, found in zip(instants, shown(page, plan, instants), strict=True):
@@ -75,12 +75,12 @@ def test_the_page_shows_the_states_of_the_schedule(page):
                 names = [facts["facts"]["robots"][robot["row"]]["name"] for robot in facts["robots"]]
                 expected = [last[t_ns]["poses"][name][key] for name in names for key in ("x_um", "y_um")]
             if found is None:
-                continue  # placed by a frame: in the coordinates of the scene
+                continue  # placed by a frame, so drawn in the coordinates of the scene
             assert math.dist(found, expected) < 1e-6, (plan["task"], t_ns)
 
 
 def test_between_states_things_move_to_the_next_one(page):
-    """A nanosecond before a state everything is there, within the way of that nanosecond."""
+    """A nanosecond before a state, everything is at its position but for the motion of that nanosecond."""
     for plan in page.data["schedule"]["plans"]:
         if plan["kind"] == "microrobots":
             continue
@@ -141,7 +141,7 @@ def test_everything_fits_the_window(page, size):
 
 
 def test_every_channel_that_does_something_has_its_row(page):
-    """Of a bed the ladder is the row of its one channel."""
+    """The ladder counts as the row of a bed's only channel."""
     missing = page.evaluate(
         """tweeze.model.channels.filter(({ name, device, actuations }) => actuations.length && !tweeze.timeline.rows.some(
             (row) => (row.channel && row.channel.name === name) || (row.kind === "ladder" && row.device.name === device))).map(({ name }) => name)"""

@@ -1,4 +1,4 @@
-"""Pictures that `--emit svg` writes, in a real browser: they open from disk, and no text lies on another or leaves the picture.
+"""Pictures that `--emit svg` writes, in a real browser: they open from disk, and no text overlaps another or leaves the picture.
 
 `TWEEZE_PICTURES` names a folder of pictures; `CHROMIUM` the browser, if it is not on the path.
 """
@@ -10,7 +10,7 @@ import pytest
 
 PICTURES = sorted(Path(os.environ.get("TWEEZE_PICTURES", "out/pictures")).glob("**/*.svg"))
 
-# Each text with the box that it really takes.
+# Each text with the bounding box that the browser gives it.
 TEXTS = """() => [...document.querySelectorAll("text")].map((text) => {
   const { x, y, width, height } = text.getBBox();
   return [text.textContent, x, y, x + width, y + height];

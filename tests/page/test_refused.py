@@ -1,5 +1,7 @@
-"""Pages of logs, in a real browser: of those that were refused each violation with its instant, and the scene at the first of them;
-of others what only the log says.
+"""Pages of logs, in a real browser.
+
+The page of a refused log shows each violation with its instant, and the scene at the first of them. The page of any other log shows what
+only the log says.
 
 `TWEEZE` names the program; `CHROMIUM` the browser, if it is not on the path.
 """
@@ -19,7 +21,7 @@ REFUSED = 3
 
 
 def altered(log, out, edit):
-    """The same log with another schedule."""
+    """Copies a log with its attached schedule changed by `edit`."""
     with log.open("rb") as source, out.open("wb") as target:
         reader = make_reader(source)
         header, summary = reader.get_header(), reader.get_summary()
@@ -45,13 +47,13 @@ def altered(log, out, edit):
 
 
 def stronger(schedule):
-    """One actuation in the middle with another value."""
+    """Raises the value of one actuation in the middle."""
     actuation = schedule["actuations"][len(schedule["actuations"]) // 2]
     actuation["from"] = actuation["to"] = actuation["to"] + 1
 
 
 def elsewhere(schedule):
-    """A state that no replay comes to."""
+    """Changes the last state of the first plan to one that no replay reaches."""
     state = schedule["plans"][0]["states"][-1]
     if "parts" in state:
         name = sorted(state["parts"])[0]
@@ -64,7 +66,7 @@ def elsewhere(schedule):
 
 
 def other_way(schedule):
-    """A pulse in the middle that moves its module back where it is."""
+    """Swaps set and reset of a pulse in the middle, so that it drives its module to where it already is."""
     actuation = schedule["actuations"][len(schedule["actuations"]) // 2]
     name = schedule["channels"][actuation["channel"]]["name"]
     other = name.replace(".set", ".reset") if ".set" in name else name.replace(".reset", ".set")
@@ -120,11 +122,11 @@ def test_a_refused_log_is_shown_at_its_first_violation(browser, tmp_path, exampl
     tab = opened(browser, page)
     check_schema(tab.data)
     findings = tab.data["failure"]["findings"]
-    # What takes place comes before what the schedule says of it.
+    # Violations of what takes place come before those of what the schedule says about it.
     assert tab.data["failure"]["is_refused"] and findings[0]["code"] == code
     assert tab.locator("#verdict").text_content().startswith("✗ refused: ")
     assert tab.evaluate("window.tweeze.t_ns") == min(findings[0]["t_ns"], tab.data["schedule"]["duration_ns"])
-    # What was refused claims nothing; each violation leads to its instant.
+    # The page of a refused log makes no claims; each violation leads to its instant.
     assert "proven" not in tab.locator("#claims").text_content()
     jumps = tab.locator("#claims .card.error .instant")
     assert jumps.count() == len(findings)
@@ -137,7 +139,7 @@ def test_a_refused_log_is_shown_at_its_first_violation(browser, tmp_path, exampl
 
 def test_parts_that_do_not_fit_are_not_shown(browser, tmp_path):
     log = tmp_path / "altered.mcap"
-    # More than the wired output can give: channels and wires do not fit.
+    # The value exceeds what the wired output can give, so channels and wires do not fit.
     altered(built("dimibot_fetch", tmp_path / "whole"), log, stronger)
     page, told = view(log, tmp_path)
     assert "E0706" in told

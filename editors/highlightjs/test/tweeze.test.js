@@ -14,7 +14,7 @@ const programs = readdirSync(examples).filter((name) => name.endsWith(".twz")).s
 
 const ENTITIES = { "&lt;": "<", "&gt;": ">", "&amp;": "&", "&quot;": '"', "&#x27;": "'" };
 
-/** The scopes of each character of a text: `title.function`, or nothing. The innermost is the last one. */
+/** The scopes of each character of a text, such as `title.function`, outermost first; empty where there is none. */
 function scopesOf(text) {
   const scopes = [];
   const open = [];
@@ -27,7 +27,7 @@ function scopesOf(text) {
   return scopes;
 }
 
-/** A line with its pieces as `scope:text`; what has no scope is left out. */
+/** The pieces of a line as `scope:text`; text without a scope is left out. */
 function rolesOf(text) {
   const roles = [];
   let last = "";

@@ -9,7 +9,7 @@ MODULE = HERE.parent / "tweeze_pygments" / "words.py"
 
 
 def text() -> str:
-    """The text of the module."""
+    """The text of the generated module."""
     words = json.loads(WORDS.read_text(encoding="utf-8"))
     lines = ['"""The words of the language. Written by scripts/words.py from ../words.json."""', ""]
     for name, own in words.items():

@@ -11,7 +11,7 @@ from tweeze_pygments import TweezeLexer, words
 PACKAGE = Path(__file__).resolve().parent.parent
 ROOT = PACKAGE.parent.parent
 PROGRAMS = sorted(path for folder in ("examples", "stdlib", "assets/templates") for path in (ROOT / folder).glob("*.twz"))
-# Most of these are broken on purpose.
+# Most of these programs are broken on purpose.
 CASES = sorted((ROOT / "tests/corpus").rglob("*.twz"))
 
 
@@ -20,13 +20,13 @@ def name_of(path):
 
 
 def pieces_of(path):
-    """The text of a file, and its pieces as they stand there."""
+    """The text of a file, and its tokens exactly as in the text."""
     text = path.read_bytes().decode("utf-8").replace("\r\n", "\n").replace("\r", "\n")
     return text, list(TweezeLexer(stripnl=False, ensurenl=False).get_tokens(text))
 
 
 def roles(text):
-    """The pieces of a text, without blanks and punctuation."""
+    """The tokens of a text, without whitespace and punctuation."""
     pieces = TweezeLexer().get_tokens(text)
     return [(own, piece) for own, piece in pieces if own not in (Whitespace, Punctuation) and piece.strip()]
 

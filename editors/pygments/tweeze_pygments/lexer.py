@@ -1,4 +1,4 @@
-"""The lexer."""
+"""The Pygments lexer for Tweeze."""
 
 import re
 
@@ -9,14 +9,14 @@ from . import words as known
 
 
 def one_of(own):
-    """A group with one of these words; the longest are tried first, so that none hides another one."""
+    """A regex group of these words, longest first so that no word hides a longer one."""
     return f"({'|'.join(re.escape(word) for word in sorted(own, key=lambda word: (-len(word), word)))})"
 
 
 WORD = r"[^\W\d]\w*"
 NAME = rf"(?!{one_of(known.RESERVED).replace('(', '(?:', 1)}\b){WORD}"
 PATH = rf"{NAME}(?:\.{WORD})*"
-# Where an entry of a block begins.
+# The beginning of an entry of a block.
 HEAD = r"((?:^|(?<=[{},]))[ \t]*)"
 BLANKS = r"([ \t]+)"
 
@@ -32,7 +32,7 @@ SETTINGS = ("minimize", "require", "using")
 
 
 class PathLexer(RegexLexer):
-    """A name behind dots: `ea.droplet_chip`."""
+    """Lexer for dotted names such as `ea.droplet_chip`."""
 
     tokens = {"root": [(rf"{WORD}(?=\.)", Name.Namespace), (r"\.", Punctuation), (WORD, Name.Class)]}
 
@@ -40,8 +40,8 @@ class PathLexer(RegexLexer):
 class TweezeLexer(RegexLexer):
     """Lexer for Tweeze, a declarative language for micro-manipulation programs.
 
-    Most roles come from where a word stands in its line: a step, a noun or a field begins an entry, behind a line's begin, a
-    brace or a comma that is in no round or square bracket.
+    Most roles follow from the position of a word in its line: a step, a noun or a field begins an entry, after the start of a line, a
+    brace, or a comma outside parentheses and square brackets.
     """
 
     name = "Tweeze"
@@ -53,7 +53,7 @@ class TweezeLexer(RegexLexer):
     tokens = {
         "root": [include("entries"), (r"[\]})]", Punctuation)],
         "entries": [
-            # A blank line first, so that the begin of the next one is seen.
+            # Newlines come first, so that the start of the next line is recognised.
             (r"\n", Whitespace),
             include("comments"),
             (rf"{HEAD}({WORD})([ \t]*)(:)(?!=)", bygroups(Whitespace, Name.Attribute, Whitespace, Punctuation)),
@@ -110,7 +110,7 @@ class TweezeLexer(RegexLexer):
             (rf"{one_of(known.TRUTHS)}\b", Keyword.Constant),
             (rf"{one_of(known.RESERVED)}\b", Keyword),
         ],
-        # What may also stand in the braces of a string.
+        # Tokens that may also occur in the braces of a string.
         "value": [
             (r"[ \t\r]+", Whitespace),
             (r'"', String.Double, "string"),
@@ -133,7 +133,7 @@ class TweezeLexer(RegexLexer):
             include("comments"),
             include("reserved"),
             include("value"),
-            # A brace is in no bracket: what was left open ends.
+            # A brace cannot occur in brackets: it ends a bracket that was left open.
             default("#pop"),
         ],
         "use": [
@@ -160,7 +160,7 @@ class TweezeLexer(RegexLexer):
         "columns": [
             (r"(?<=[\w\]])(?=[ \t]*(?:\n|//|\}))|(?=\})", Text, "#pop"),
             (r"\s+", Whitespace),
-            # With its line's end: the names are not over behind a comment before them.
+            # Includes the newline, so that a comment before the names does not end them.
             (r"(//.*)(\n?)", bygroups(Comment.Single, Whitespace)),
             (rf"(\[)([ \t]*)({UNIT})([ \t]*)(\])", bygroups(Punctuation, Whitespace, Keyword.Type, Whitespace, Punctuation)),
             (WORD, Name.Attribute),
@@ -193,7 +193,7 @@ class TweezeLexer(RegexLexer):
     }
 
     def analyse_text(text):
-        """How sure it is that a text is a program: no other language uses `std.` with these names."""
+        """Confidence that a text is a Tweeze program: no other language uses `std.` with these names."""
         if re.search(r"^use std\.(dimibot|electrode_array|fingers|instruments|microrobots)\b", text, re.MULTILINE):
             return 1.0
         return 0.5 if re.search(rf"^task {WORD}.* on {PATH}( in {PATH})? \{{", text, re.MULTILINE) else 0.0

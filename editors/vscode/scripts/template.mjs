@@ -1,16 +1,16 @@
-// The TextMate grammar, with places for the words. `grammar.mjs` fills them in from `words.json`.
+// The TextMate grammar, with placeholders for the words, which `grammar.mjs` fills in from `words.json`.
 //
-// As in the language server, most roles come from where a word stands in its line: a step, a noun or a field begins an entry,
-// behind a line's begin, a brace or a comma. Round and square brackets are contexts of their own, in which no entry begins.
-// Patterns are in Oniguruma's notation.
+// As in the language server, most roles follow from the position of a word in its line: a step, a noun or a field begins an entry,
+// after the start of a line, a brace or a comma. Parentheses and square brackets are contexts of their own, in which no entry begins.
+// Patterns use Oniguruma syntax.
 
-/** Escapes what a regular expression would read as its own. */
+/** Escapes the special characters of regular expressions. */
 const literal = (text) => text.replace(/[\\^$.*+?()[\]{}|/-]/gu, "\\$&");
 
-/** One of these words; the longest are tried first, so that none hides another one. */
+/** Pattern for any of these words, longest first so that no word hides a longer one. */
 const oneOf = (words) => [...words].sort((a, b) => b.length - a.length || (a < b ? -1 : 1)).map(literal).join("|");
 
-/** The grammar as an object; its order is that of the file. */
+/** The grammar as an object, with keys in the order of the file. */
 export function grammarOf(words) {
   // `letter` and `word_char` of grammar/lexis.pest.
   const char = String.raw`[\p{Alphabetic}0-9_]`;
@@ -18,12 +18,12 @@ export function grammarOf(words) {
   const path = String.raw`${word}(?:\.${word})*`;
   const ends = `(?!${char})`;
   const blank = String.raw`[ \t]`;
-  // Behind a dot any word is a name, as in `bl0.set`; behind the two dots of a range none is.
+  // After a dot any word is a name, as in `bl0.set`; after the two dots of a range, words keep their roles.
   const begins = String.raw`(?:(?<![\p{Alphabetic}0-9_.])|(?<=\.\.))`;
   const head = `(?:^|(?<=[{},]))${blank}*`;
   const reserved = oneOf(words.reserved);
   const name = `(?!(?:${reserved})${ends})${word}`;
-  // A declaration never stands in a bracket: one at a line's begin ends what was left open above it.
+  // A declaration never occurs in a bracket: one at the start of a line closes what was left open above it.
   const nextItem = `(?=^(?:${oneOf(words.declarations)})${blank}+["\\p{Alphabetic}_])`;
 
   const digits = "[0-9][0-9_]*";
@@ -41,7 +41,7 @@ export function grammarOf(words) {
   const scope = (own) => ({ name: `${own}.tweeze` });
   const include = (...names) => names.map((own) => ({ include: `#${own}` }));
   const comment = (mark, sort) => ({
-    // The line's end is part of it, so that no context ends behind a comment.
+    // Includes the newline, so that no context ends after a comment.
     match: `(${mark}).*\\n?`,
     name: `comment.line.${sort}.tweeze`,
     captures: { 1: scope("punctuation.definition.comment") },
@@ -161,7 +161,7 @@ export function grammarOf(words) {
       step: {
         patterns: [
           {
-            // The noun of a step has its object behind it, as in `apply state 2`.
+            // The noun of a step is followed by its object, as in `apply state 2`.
             match: `${head}(${oneOf(steps)})${blank}+(${oneOf(words.step_nouns)})(?=${blank}+(?:["0-9]|${name}))`,
             captures: { 1: scope("keyword.control.step"), 2: scope("keyword.control.step") },
           },
@@ -175,7 +175,7 @@ export function grammarOf(words) {
         endCaptures: { 1: scope("punctuation.section.table.end") },
         patterns: [
           {
-            // The first line in which a name or a unit stands.
+            // The first line with a name or a unit: the column headers.
             begin: String.raw`(?<=\{)`,
             end: `(?<=[\\p{Alphabetic}0-9_\\]])(?=${blank}*(?://|$|\\}))|(?=\\})|${nextItem}`,
             patterns: [
@@ -222,7 +222,7 @@ export function grammarOf(words) {
           { match: `${begins}(?:${oneOf(words.reserved.filter((one) => !words.truths.includes(one)))})${ends}`, ...scope("keyword.other") },
         ],
       },
-      // What may also stand in the braces of a string.
+      // Tokens that may also occur in the braces of a string.
       value: {
         patterns: [
           { match: `(?<!${char})0b[01_]+${ends}`, ...scope("constant.numeric.binary") },

@@ -1,5 +1,5 @@
-// The command lines of tweeze. Each argument is a string of its own that no shell reads, and the program stands behind `--`:
-// whatever a file is called, it is a file.
+// The command lines of tweeze. Each argument is a separate string that no shell interprets, and the program follows `--`, so that a file
+// of any name is taken as a file.
 "use strict";
 
 /** The arguments of a task. */

@@ -1,4 +1,4 @@
-// Where the executable is: looked for before it is started, so that a missing one is a message that says what to do.
+// Finds the executable before it is started, so that a message can say what to do if it is missing.
 "use strict";
 
 const { constants, promises: files } = require("node:fs");
@@ -12,7 +12,7 @@ function expanded(wanted, { home, folder }) {
 
 async function canRun(file) {
   try {
-    // A folder may be entered, which is the same bit.
+    // On a folder the execute bit means permission to enter.
     if (!(await files.stat(file)).isFile()) return false;
     await files.access(file, constants.X_OK);
     return true;
@@ -24,19 +24,19 @@ async function canRun(file) {
 /**
  * The executable that a setting stands for, as an absolute path; undefined if there is none.
  *
- * @param {string} wanted a name that is looked up in PATH, or a path; a relative one is taken from the workspace folder
+ * @param {string} wanted a name that is looked up in PATH, or a path; a relative path is resolved against the workspace folder
  * @param {{env: object, platform: string, home: string, folder?: string}} machine
  */
 async function find(wanted, machine) {
   const name = expanded(wanted.trim(), machine);
   if (name === "") return undefined;
   const isPath = /[\\/]/.test(name);
-  // A relative path means nothing without a folder: the editor's own folder is nobody's choice.
+  // A relative path has no meaning without a workspace folder: nobody chose the editor's own working directory.
   if (isPath && !path.isAbsolute(name) && machine.folder === undefined) return undefined;
   const isWindows = machine.platform === "win32";
   // Windows spells the variable `Path`.
   const searched = Object.entries(machine.env).find(([key]) => (isWindows ? key.toUpperCase() : key) === "PATH")?.[1] ?? "";
-  // An empty entry would be the current folder: whatever lies in a folder that is opened must not be started by its name.
+  // Empty and relative entries are dropped: they would run an executable that happens to lie in an opened folder.
   const folders = isPath ? [machine.folder ?? ""] : searched.split(path.delimiter).filter((folder) => path.isAbsolute(folder));
   const endings = isWindows && path.extname(name) === "" ? [".exe", ".com"] : [""];
   for (const folder of folders) {

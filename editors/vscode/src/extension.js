@@ -22,7 +22,7 @@ function foundExecutable(scope) {
   return find(wantedExecutable(scope), machine);
 }
 
-/** The executable; where there is none, a message says so and leads to the setting. */
+/** The executable; if there is none, undefined, with a message that leads to the setting. */
 async function executableOrMessage(scope) {
   const found = await foundExecutable(scope);
   if (found === undefined) tellMissing(scope);
@@ -37,9 +37,9 @@ async function tellMissing(scope) {
 }
 
 /**
- * A program, saved; undefined, with a message, where there is none.
+ * Saves all files and returns the program's URI; undefined, with a message if there is no program to save.
  *
- * @param {string | undefined} link the program over whose task a command stands; without it that of the active editor
+ * @param {string | undefined} link URI of the program with the task whose code lens was clicked; if undefined, the active editor's program
  */
 async function savedProgram(link) {
   const isMeant = (document) => document.uri.toString() === vscode.Uri.parse(link).toString();
@@ -52,7 +52,7 @@ async function savedProgram(link) {
     vscode.window.showInformationMessage("Tweeze: save the program to a file first.");
     return undefined;
   }
-  // Programs use other files, whose changes count as well.
+  // Programs use other files, so these are saved too.
   if (!(await vscode.workspace.saveAll(false))) return undefined;
   return document.uri;
 }
@@ -60,8 +60,8 @@ async function savedProgram(link) {
 /**
  * Runs a command of tweeze on the program in the active editor, or on a task of it.
  *
- * @param {unknown} link over a task, the text of the program's address: a menu gives an object of the editor's own
- * @param {unknown} name of that task
+ * @param {unknown} link from a code lens over a task, the URI of the program as a string; from a menu, an object of the editor
+ * @param {unknown} name the name of that task
  */
 async function run(command, link, name) {
   const isOfTask = typeof link === "string" && typeof name === "string";
@@ -72,7 +72,7 @@ async function run(command, link, name) {
   const options = isOfTask ? { options: ["--task", name] } : {};
   const definition = { type: tasks.SORT, command, file: uri.fsPath, ...options };
   const task = tasks.taskOf(definition, vscode.workspace.getWorkspaceFolder(uri), executable);
-  // A page that is watched for is watched by one task: the new one takes its place.
+  // Only one task may watch a program for its page: the new task replaces the old one.
   if (command === "view") {
     const isSame = ({ task: other }) => other.source === tasks.SORT && other.definition.command === "view" && other.definition.file === uri.fsPath;
     vscode.tasks.taskExecutions.filter(isSame).forEach((execution) => execution.terminate());
@@ -80,7 +80,7 @@ async function run(command, link, name) {
   return vscode.tasks.executeTask(task);
 }
 
-/** Starts the server; where that fails, a message says why. */
+/** Restarts the server; if that fails, a message says why. */
 async function restart() {
   try {
     await server.restart();

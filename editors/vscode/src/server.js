@@ -1,18 +1,18 @@
-// The language server: one for the window, started with the extension and again when its executable changes.
+// The language server: one per window, started with the extension and restarted when the path of its executable changes.
 "use strict";
 
 const { LanguageClient } = require("vscode-languageclient/node");
 
 class Server {
-  /** @param {() => Promise<string | undefined>} executable finds it, and tells the user where there is none */
+  /** @param {() => Promise<string | undefined>} executable finds the executable, and tells the user if there is none */
   constructor(executable) {
     this.executable = executable;
     this.client = undefined;
-    // Starts and stops follow one another, however fast they are asked for.
+    // Starts and stops are serialised, however quickly they are requested.
     this.last = Promise.resolve();
   }
 
-  /** Starts it, or ends it and starts it again. */
+  /** Starts the server, after stopping one that is running. */
   restart() {
     return this.#then(async () => {
       await this.#end();
@@ -21,7 +21,7 @@ class Server {
       const client = new LanguageClient(
         "tweeze",
         "Tweeze",
-        // Standard input and output are what is used where no transport is named.
+        // Without a `transport`, the client uses standard input and output.
         { command, args: ["lsp"] },
         { documentSelector: [{ scheme: "file", language: "tweeze" }] },
       );
@@ -36,7 +36,7 @@ class Server {
 
   #then(work) {
     const done = this.last.then(work);
-    // What failed was told to who asked; it must not keep the next start from its turn.
+    // The caller sees the failure; it must not block the next start.
     this.last = done.catch(() => {});
     return done;
   }
@@ -44,7 +44,7 @@ class Server {
   async #end() {
     const client = this.client;
     this.client = undefined;
-    // One that is still starting, or has failed to, cannot be stopped, which is no reason not to start another.
+    // A client that is starting or failed to start cannot be stopped; another may be started nevertheless.
     await client?.dispose().catch(() => {});
   }
 }

@@ -1,4 +1,4 @@
-// Tasks of the sort `tweeze`: those of the two commands, those that a workspace lists, and those that are offered for the open program.
+// Tasks of type `tweeze`: those of the two commands, those listed in a workspace, and those offered for the open program.
 "use strict";
 
 const path = require("node:path");
@@ -8,28 +8,28 @@ const { argumentsOf } = require("./commands");
 const SORT = "tweeze";
 const COMMANDS = ["build", "check", "view"];
 
-/** The path of a definition's file; a relative one is taken from the workspace folder. */
+/** The path of a definition's file; a relative path is resolved against the workspace folder. */
 function fileOf(definition, folder) {
   const { file } = definition;
   return path.isAbsolute(file) ? file : path.resolve(folder?.uri.fsPath ?? ".", file);
 }
 
 /**
- * A task that can be run.
+ * The executable task of a definition.
  *
  * @param {object} definition as in tasks.json, with `command`, `file` and perhaps `options`
- * @param {vscode.WorkspaceFolder | undefined} folder the folder whose task it is
+ * @param {vscode.WorkspaceFolder | undefined} folder the folder to which the task belongs
  * @param {string} executable
  */
 function taskOf(definition, folder, executable) {
   const file = fileOf(definition, folder);
   const { command, options } = definition;
-  // Writing beside the program means the same wherever the task is started.
+  // The output is relative to the program's folder, wherever the task is started.
   const cwd = path.dirname(file);
   const output = vscode.workspace.getConfiguration("tweeze", vscode.Uri.file(file)).get("output", "out");
   const process = new vscode.ProcessExecution(executable, argumentsOf({ command, file, options, output }), { cwd });
   const name = `${command} ${path.basename(file)}`;
-  // The page of a program that is viewed shows its errors at their lines, and follows them; a list of problems could not.
+  // The page of a viewed program shows errors at their lines and is updated with each build; a list of problems would not be.
   const matchers = command === "view" ? [] : ["$tweeze"];
   const task = new vscode.Task(definition, folder ?? vscode.TaskScope.Workspace, name, SORT, process, matchers);
   if (command === "build") task.group = vscode.TaskGroup.Build;
@@ -39,7 +39,7 @@ function taskOf(definition, folder, executable) {
 }
 
 /**
- * Offers `build` and `check` of the program in the active editor, and completes tasks that a workspace lists.
+ * Offers `build` and `check` of the program in the active editor, and completes tasks listed in a workspace.
  *
  * @param {() => Promise<string>} executable the path of the executable, or the name that was not found, which the task then reports
  */
@@ -49,7 +49,7 @@ function provider(executable) {
       const document = vscode.window.activeTextEditor?.document;
       if (!document || document.languageId !== "tweeze" || document.uri.scheme !== "file") return [];
       const folder = vscode.workspace.getWorkspaceFolder(document.uri);
-      // As it would stand in the folder's own list.
+      // The path as the folder's tasks.json would give it.
       const file = folder ? path.relative(folder.uri.fsPath, document.uri.fsPath) : document.uri.fsPath;
       const found = await executable(document.uri);
       return ["build", "check"].map((command) => taskOf({ type: SORT, command, file }, folder, found));
@@ -60,7 +60,7 @@ function provider(executable) {
       const folder = typeof scope === "object" ? scope : vscode.workspace.workspaceFolders?.[0];
       const found = await executable(vscode.Uri.file(fileOf(definition, folder)));
       const whole = taskOf(definition, folder, found);
-      // The editor knows its own task by its definition and its scope.
+      // The editor identifies its task by definition and scope, so both must be unchanged.
       const resolved = new vscode.Task(definition, scope ?? vscode.TaskScope.Workspace, task.name, SORT, whole.execution, whole.problemMatchers);
       resolved.isBackground = whole.isBackground;
       return resolved;

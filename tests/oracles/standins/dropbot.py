@@ -1,8 +1,8 @@
-"""A stand-in for the package of the DropBot, for tests of the sender: a proxy with the attributes that its page shows.
+"""A stand-in for the DropBot package, for tests of the sender: a proxy with the attributes that its documentation shows.
 
-Each state of the channels that takes effect, and each setting, goes into the file that STANDIN_LOG names, with its time. STANDIN_FAULT
-is the number of the state at which the connection breaks for once, STANDIN_LOST that at which the first board is lost for good. A second
-board has a file of its own, which ends with .2.
+Each channel state that takes effect, and each setting, is logged with its time to the file that STANDIN_LOG names. STANDIN_FAULT is the
+number of the state at which the connection breaks once, STANDIN_LOST that at which the first board is lost for good. A second board has
+its own file, whose name ends in .2.
 """
 
 import json
@@ -38,7 +38,7 @@ class SerialProxy:
             self.states += 1
             if self.is_lost() or os.environ.get("STANDIN_FAULT") == str(self.states):
                 raise OSError("the board does not answer")
-            # It takes one state for each channel, no list of numbers.
+            # The property takes an array with one state per channel, not a list of channel numbers.
             assert value.shape == (CHANNELS,) and set(value.tolist()) <= {0, 1}
             self.log(name, [number for number, state in enumerate(value.tolist()) if state])
         super().__setattr__(name, value)

@@ -1,7 +1,7 @@
-"""A stand-in for PyVISA with one waveform generator behind every address, for tests of the sender.
+"""A stand-in for PyVISA with a waveform generator at every address, for tests of the sender.
 
-It keeps what it was sent, byte for byte, in the file that STANDIN_LOG names. STANDIN_FAULT is a message that it refuses, STANDIN_INTERRUPT
-one at which Ctrl-C is pressed.
+It logs every message, byte for byte, to the file that STANDIN_LOG names. A message that begins with STANDIN_FAULT causes an error; one that
+begins with STANDIN_INTERRUPT raises KeyboardInterrupt, like Ctrl-C.
 """
 
 import json

@@ -16,7 +16,7 @@ const rules = {
 
 const languageOptions = { ecmaVersion: 2023, sourceType: "script", globals: globals.browser };
 
-/** The file and the line of a line of all parts together. */
+/** Maps a line of the concatenated parts to its file and line. */
 function place(line) {
   let before = 0;
   for (const { name, text } of parts) {

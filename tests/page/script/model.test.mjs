@@ -1,4 +1,4 @@
-// What a page makes of a schedule, as functions of time.
+// The model that a page builds from a schedule, as functions of time.
 
 import assert from "node:assert/strict";
 import test from "node:test";
@@ -49,7 +49,7 @@ test("a tip is on its way while a pulse lasts", () => {
   const device = (frame) => buildModel(page({ plans: [plan("dimibot", { states })] }, { dimibot: { ...order.dimibot, frame } })).devices[0];
   const alone = device(null);
   assert.deepEqual([0, 50, 100, 150, 400].map((t_ns) => plain(tipAt(alone, t_ns))), [[0, 0], [0, 0], [1.5, 3], [3, 6], [3, 6]]);
-  // In a scene, turned by a quarter.
+  // In a scene, rotated by a quarter turn.
   const [x, y] = tipAt(device({ x_um: 10, y_um: 20, heading_rad: Math.PI / 2 }), 150);
   assert.ok(Math.hypot(x - 4, y - 23) < 1e-9);
 });
@@ -92,7 +92,7 @@ test("droplets leave what they contain where they come, until it is washed away"
   const at = (t_ns) => Object.fromEntries(tracesAt(device("single"), t_ns).map(({ cell, fluids }) => [cell.join(), [...fluids].join()]));
   assert.deepEqual(at(9), { "1,1": "a", "4,1": "b" });
   assert.deepEqual(at(20), { "1,1": "a", "4,1": "b", "2,1": "a,b", "3,1": "b" });
-  // What comes out of a droplet has all that it has; water washes where it comes, and leaves nothing.
+  // A droplet split off another carries all of its fluids; water washes the electrodes that it covers and leaves no trace.
   assert.deepEqual(at(40), { "4,1": "b", "2,1": "a,b", "3,1": "b", "2,2": "a,b" });
   assert.deepEqual(plain(tracesAt(device("quad"), 40)), []);
 });
@@ -107,10 +107,10 @@ test("forces turn with the part, and go over into those of the next state", () =
   const forces = (second) => [{ plan: 0, states: [[[2, 0, 0], [-2, 0, 0]], second] }];
   const device = (evidence) => buildModel({ ...page({ channels, actuations, plans: [plan("fingers", { states })] }, order), evidence }).devices[0];
   const rounded = (value) => plain(value).map((force) => force && force.map((part) => Math.round(part * 1e9) / 1e9 + 0));
-  // A quarter turn about z: what pushes along y then pushes along the part's own x.
+  // A quarter turn about z: a push along y is then a push along the part's own x.
   const both = device({ forces: forces([[0, 4, 0], [0, -4, 0]]) });
   assert.deepEqual([0, 50, 100].map((t_ns) => rounded(forcesAt(both, t_ns))), [2, 3, 4].map((x) => [[x, 0, 0], [-x, 0, 0]]));
-  // Where a finger leaves, its force lasts until then.
+  // The force of a finger that lifts off stays constant until then.
   assert.deepEqual(rounded(forcesAt(device({ forces: forces([[0, 4, 0], null]) }), 50)), [[2, 0, 0], [-2, 0, 0]]);
   assert.equal(forcesAt(device({ forces: forces(null) }), 100), null);
   assert.equal(forcesAt(device(undefined), 0), null);
@@ -145,10 +145,10 @@ test("a unit quaternion turns a vector", () => {
 test("a friction cone stands on the contact and opens into the part", () => {
   const square = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
   const near = (points, wanted) => points.flat().forEach((value, at) => assert.ok(Math.abs(value - wanted.flat()[at]) < 1e-9, `${points}`));
-  // From the right, with friction 1: half a right angle to each side.
+  // From the right, with friction coefficient 1: 45 degrees to each side.
   const half = Math.SQRT1_2;
   near(frictionCone(square, [1.5, 0.25], 1, 1), [[1, 0.25], [1 - half, 0.25 + half], [1 - half, 0.25 - half]]);
-  // Without friction it has no width.
+  // Without friction the cone has no width.
   near(frictionCone(square, [0, -2], 0, 0.5), [[0, -1], [0, -0.5], [0, -0.5]]);
 });
 

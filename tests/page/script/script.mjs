@@ -1,4 +1,4 @@
-// The script of a page, as a page has it: the parts in the order in which `src/emit/html/mod.rs` names them, in one scope.
+// The script of a page, as in the page: the parts in the order in which `src/emit/html/mod.rs` names them, in one scope.
 
 import { readFileSync } from "node:fs";
 import vm from "node:vm";
@@ -12,12 +12,12 @@ export const names = [...read("src/emit/html/mod.rs").matchAll(/assets\/page\/(\
 /** The text of each part. */
 export const parts = names.map((name) => ({ name, text: read(`assets/page/${name}`) }));
 
-/** What the first part defines; it draws nothing, and needs no browser. */
+/** The global scope of the first part, which draws nothing and needs no browser. */
 export const model = (() => {
   const context = vm.createContext({});
   vm.runInContext(parts[0].text, context, { filename: names[0] });
   return context;
 })();
 
-/** A value of that part's own realm as one of this one, to be compared. */
+/** Copies a value from that scope's realm into this one, so that it can be compared. */
 export const plain = (value) => JSON.parse(JSON.stringify(value));

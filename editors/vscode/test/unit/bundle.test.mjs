@@ -1,4 +1,4 @@
-// The bundle as it is packed, in a stand-in for the editor: it is read, and speaks with the server of TWEEZE.
+// The packed bundle in a stand-in for the editor: it loads, and talks to the language server of TWEEZE.
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { Module, createRequire } from "node:module";
@@ -29,7 +29,7 @@ class EventEmitter {
   dispose() {}
 }
 
-/** What the client extends or asks in passing: a class whose members are such again. */
+/** Placeholder for anything that the client extends or queries in passing: a class whose members are again placeholders. */
 function anything() {
   return new Proxy(class {}, {
     get: (own, key) => (key in own ? own[key] : anything()),
@@ -38,7 +38,7 @@ function anything() {
   });
 }
 
-/** The members that matter; all others are anything, and events that never happen. */
+/** An object with the members that matter; all others are placeholders, or events that never fire. */
 function partly(own) {
   const isEvent = (key) => typeof key === "string" && /^on(Did|Will)/u.test(key);
   return new Proxy(own, { get: (_, key) => (key in own ? own[key] : isEvent(key) ? () => new Disposable() : anything()) });
@@ -97,7 +97,7 @@ function editor(text) {
   return { vscode, done };
 }
 
-/** The module `name` is `own` while `work` is done. */
+/** Runs `work` with the module `name` replaced by `own`. */
 function having(name, own, work) {
   const load = Module._load;
   Module._load = (wanted, ...rest) => (wanted === name ? own : load(wanted, ...rest));

@@ -31,7 +31,7 @@ test("the server is `tweeze lsp`, on standard input and output without an option
   const { done, extension } = await activated();
   assert.equal(done.servers.length, 1);
   const [{ id, server, client, state }] = done.servers;
-  // The setting `tweeze.trace.server` is found by this name.
+  // The client finds the setting `tweeze.trace.server` by this ID.
   assert.equal(id, "tweeze");
   assert.deepEqual(server, { command: executable, args: ["lsp"] });
   assert.deepEqual(client.documentSelector, [{ scheme: "file", language: "tweeze" }]);
@@ -76,7 +76,7 @@ test("a missing executable is a message whose button opens the setting", async (
 });
 
 test("`Build This Program` saves, and starts a process without a shell whose last argument is the file", async () => {
-  // What a shell would run, and what a program would take for an option.
+  // Names that a shell would execute, or that a program would take for an option.
   for (const name of ["fetch.twz", "a b.twz", "$(touch x); rm -rf ~.twz", "`id`'\".twz", "--watch.twz", "–ö.twz"]) {
     const file = path.join(folder, name);
     const { done } = await activated({ document: documentOf(file) });
@@ -109,7 +109,7 @@ test("the commands over a task build and show it alone, whichever editor is acti
   const file = path.join(folder, "a µ.twz");
   const document = documentOf(file);
   const { done } = await activated({ document: documentOf(path.join(folder, "b.twz")), others: [document] });
-  // As the server sends them, with the address as the editor gave it or written in another way.
+  // Arguments as the server sends them, with the URI as the editor gave it or in another spelling.
   for (const link of [document.uri.toString(), `file://${file}`]) await done.commands.get("tweeze.build")(link, "fetch");
   await done.commands.get("tweeze.view")(document.uri.toString(), "fetch");
   assert.deepEqual(done.tasks.map(({ execution }) => execution.args), [
@@ -118,10 +118,10 @@ test("the commands over a task build and show it alone, whichever editor is acti
     ["view", "--format", "short", "--output", "out", "--watch", "--task", "fetch", "--", file],
   ]);
   assert.deepEqual(done.tasks[0].definition, { type: "tweeze", command: "build", file, options: ["--task", "fetch"] });
-  // A document that was closed since.
+  // A document that has been closed since.
   await done.commands.get("tweeze.build")("file:///gone.twz", "fetch");
   assert.deepEqual([done.tasks.length, done.messages.map(({ text }) => text)], [3, ["Tweeze: open a program (`.twz`) first."]]);
-  // The menu of an editor gives its own object.
+  // A menu of the editor passes its own object.
   await done.commands.get("tweeze.build")(document.uri);
   assert.deepEqual(done.tasks[3].execution.args, ["build", "--format", "short", "--output", "out", "--", path.join(folder, "b.twz")]);
 });
@@ -184,7 +184,7 @@ test("an executable is found by name in PATH, by path, and in no other way", asy
     ["${workspaceFolder}/tweeze", executable],
     ["", undefined],
     ["tweez", undefined],
-    // A folder, and a file that may not be run.
+    // A folder, and a file that is not executable.
     ["bin/tweeze", undefined],
     ["./plain", undefined],
     ["plain", undefined],

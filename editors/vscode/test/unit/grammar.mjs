@@ -21,7 +21,7 @@ async function load() {
 
 const grammar = await load();
 
-/** The lines of a text, each with the scopes of every column, and with the number of contexts that are open behind it. */
+/** The lines of a text, each with the scopes of every column and the number of contexts open at its end. */
 export function scopesOf(text) {
   let state = textmate.INITIAL;
   return text.split("\n").map((line) => {

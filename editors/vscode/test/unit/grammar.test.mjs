@@ -11,7 +11,7 @@ const isUnit = (scope) => scope === "keyword.other.unit.tweeze";
 /** The words that may have the scope of a keyword. */
 const colourable = new Set([words.reserved, words.steps, words.step_nouns, words.nouns].flat());
 
-/** Every piece of every program with the scopes of its columns. */
+/** Yields every piece of every program with the scopes of its columns. */
 function* pieces() {
   for (const { name, text } of programs) {
     for (const [at, { line, columns }] of scopesOf(text).entries()) {
@@ -33,7 +33,7 @@ test("every list of words is sorted, without doubles, and the reserved words are
   }
   const { declarations, prepositions, truths, reserved } = words;
   assert.deepEqual([...declarations, ...prepositions, ...truths, "as", "table"].sort(), reserved);
-  // A word of two lists would be coloured by the first pattern alone.
+  // A word in two lists would only be coloured by the first pattern.
   const all = [reserved, words.steps, words.nouns, words.functions, words.step_nouns].flat();
   assert.deepEqual(all.filter((word, at) => all.indexOf(word) !== at), []);
 });
@@ -111,7 +111,7 @@ test("no context is left open behind a program", () => {
     const lines = scopesOf(text);
     const [first, last] = [scopesOf("")[0], lines.at(-1)];
     assert.equal(last.depth, first.depth, name);
-    // Nor behind any declaration of it.
+    // Nor after any of its declarations.
     lines.filter(({ line }) => line === "}").forEach(({ depth }) => assert.equal(depth, first.depth, name));
   }
 });

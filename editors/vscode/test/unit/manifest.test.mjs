@@ -1,4 +1,4 @@
-// What package.json and the language's configuration promise.
+// Tests of package.json and the language configuration.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -50,7 +50,7 @@ test("the problem matcher reads the lines of `--format short`", () => {
   for (const [text, file, line, column, severity, code, message] of lines) {
     assert.deepEqual(matched(text), { file, line, column, severity, code, message }, text);
   }
-  // Findings without a place, and lines of the report.
+  // Diagnostics without a source location, and lines of the report.
   const others = [
     "error[E0801]: cannot read `nothere.twz`: no such file or directory",
     "  Planned  go                      6.83 um (2 r) in 2 switches, optimal (bound 6.83 um)",

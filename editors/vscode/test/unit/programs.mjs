@@ -1,4 +1,4 @@
-// The programs of the repository, and where their comments and strings are.
+// The programs of the repository, and the positions of their comments and strings.
 import { readFileSync, readdirSync } from "node:fs";
 
 const root = new URL("../../../../", import.meta.url);
@@ -22,8 +22,8 @@ export const programs = [...["examples/", "stdlib/", "assets/templates/"].flatMa
 export const words = JSON.parse(readFileSync(new URL("editors/words.json", root), "utf8"));
 
 /**
- * The comments, strings, words and numbers of a line by their columns, found without the grammar. Of a word: whether it is a field,
- * and whether it stands behind a dot.
+ * The comments, strings, words and numbers of a line with their columns, found without the grammar; for a word, also whether it is a
+ * field and whether it follows a dot.
  */
 export function piecesOf(line) {
   const token = /(?<comment>\/\/.*)|(?<string>"[^"]*"?)|(?<word>[\p{Alphabetic}_][\p{Alphabetic}0-9_]*)|(?<number>[0-9][\p{Alphabetic}0-9_]*)/gu;

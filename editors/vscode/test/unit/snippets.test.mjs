@@ -1,4 +1,4 @@
-// Snippets with their placeholders filled in by their defaults: what they write is right.
+// Snippets, filled in with the defaults of their placeholders, are correct programs.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -11,7 +11,7 @@ import { scopesOf } from "./grammar.mjs";
 const snippets = JSON.parse(readFileSync(new URL("../../snippets/tweeze.json", import.meta.url), "utf8"));
 const executable = process.env.TWEEZE;
 
-/** The text of a snippet with the defaults of its placeholders, the first word of a choice. */
+/** The text of a snippet with each placeholder replaced by its default, or by the first word of a choice. */
 function filled(body) {
   const defaults = new Map([["0", ""]]);
   const placeholder = /\$(?:(\d+)|\{(\d+)(?::([^}]*)|\|([^,|]*)[^|]*\|)?\})/gu;
@@ -26,7 +26,7 @@ function filled(body) {
   });
 }
 
-// Where a fragment stands, by the snippet's name: the text around it.
+// The text around a fragment, by the snippet's name.
 const BOT = "use std.dimibot\ndevice bot : dimibot.femto_st { left: 5, right: 5 }\n";
 const EA = "use std.electrode_array as ea\n";
 const CHIP = `${EA}device chip : ea.droplet_chip { }\n`;
@@ -38,7 +38,7 @@ const inBench = (object) => `${BOT}scene bench {\n${object}\n}\ntask go on bot i
 const inTask = (step) => `${BOT}output camera : trigger { duration: 5 ms }\noutput light : digital\ntask go on bot {\n${step}\nmove to (1, 1)\npulse camera\nset light to low\n}\n`;
 const HOSTS = {
   "Use the standard library": (text) => `${text}\ndevice bot : dimibot.femto_st${GO}`,
-  // The program is checked beside the examples, which have such a file.
+  // The program is checked in the folder of the examples, which has such a file.
   "Use a file": (text) => `${text}\ntask go on lab.picker { move to (1, 1) }\n`,
   Value: (text) => `${text}\n${BOT}task go on bot { move to (pitch / 100, pitch / 100) }\n`,
   "Device: DiMiBot": (text) => `use std.dimibot\n${text}${GO}`,

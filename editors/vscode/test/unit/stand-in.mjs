@@ -1,4 +1,4 @@
-// A stand-in for the modules `vscode` and `vscode-languageclient/node`, which exist in an editor alone. It keeps what it is asked to do.
+// A stand-in for the modules `vscode` and `vscode-languageclient/node`, which work only in an editor. It records all requests.
 import { Module, createRequire } from "node:module";
 
 const require = createRequire(import.meta.url);
@@ -16,13 +16,14 @@ class ProcessExecution {
 }
 
 const fileUri = (fsPath) => ({ scheme: "file", fsPath, toString: () => `file://${encodeURI(fsPath)}` });
-/** As the editor reads addresses: however they are written, the same file is the same. */
+/** Parses a URI as the editor does: different spellings of a file's URI are equal. */
 const parsed = (link) => ({ ...fileUri(decodeURI(link.replace("file://", ""))), scheme: link.split(":")[0] });
 
 /**
- * The extension in an editor of its own.
+ * Loads the extension into a new simulated editor.
  *
- * @param {object} given settings by name, the document in the active editor, other open ones, the workspace folder, the button that is pressed, and whether the server starts
+ * @param {object} given settings by name, the document in the active editor, other open documents, the workspace folder, the button that is
+ *   pressed, whether the workspace is trusted, and the error with which the server fails to start
  */
 export function inEditor({ settings = {}, document, others = [], folder, press, trusted = true, failing } = {}) {
   const done = { commands: new Map(), messages: [], executed: [], tasks: [], servers: [], ended: [], saved: 0, listeners: [], trusts: [], providers: [] };

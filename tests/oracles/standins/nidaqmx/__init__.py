@@ -1,8 +1,8 @@
 """A stand-in for National Instruments' package: the calls that senders use, as its documentation describes them.
 
-Nothing is played. At its close each task writes a line to the file that STANDIN_LOG names. STANDIN_FAULT makes a call raise each time, or,
-as `write:3`, the third time. What a task with a clock was given is reserved for it until it is closed. Lines that are
-read are low STANDIN_LOW times, then high.
+Nothing is played. When closed, each task writes a line to the file that STANDIN_LOG names. The call that STANDIN_FAULT names raises each
+time or, as in `write:3`, the third time; the call that STANDIN_INTERRUPT names raises KeyboardInterrupt. The channels of a clocked task are
+reserved for it from its first write until it is closed. Digital inputs read low STANDIN_LOW times, then high.
 """
 
 import json
@@ -15,7 +15,7 @@ READ = 0
 
 
 class DaqError(Exception):
-    """As the package's errors."""
+    """Stands for the package's exception."""
 
 
 CALLS = {}

@@ -1,4 +1,4 @@
-"""The devices that the driver finds."""
+"""The devices that the driver reports."""
 
 from types import SimpleNamespace
 

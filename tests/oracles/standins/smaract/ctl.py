@@ -1,7 +1,7 @@
-"""A stand-in for SmarAct's package: the calls of an MCS2 that the sender uses, as the maker's examples and its header have them.
+"""A stand-in for SmarAct's package: the MCS2 calls that the sender uses, as SmarAct's examples and header file have them.
 
-A line of JSON for each call goes to the file that STANDIN_LOG names. STANDIN_FAULT names calls that raise, STANDIN_INTERRUPT is one at which
-Ctrl-C is pressed.
+Each call is logged as a line of JSON to the file that STANDIN_LOG names. The calls that STANDIN_FAULT names (separated by commas) raise an
+error; the call that STANDIN_INTERRUPT names raises KeyboardInterrupt, like Ctrl-C.
 """
 
 import json
@@ -22,7 +22,7 @@ class ChannelState(IntEnum):
 
 
 class Error(Exception):
-    """As the package's errors."""
+    """Stands for the package's exception."""
 
 
 PROPERTIES, PLACES, STREAM = {}, {}, {}
@@ -78,7 +78,7 @@ def Stop(handle, channel, transmit=0):
 
 def OpenStream(handle, mode):
     called("OpenStream", mode.name)
-    # With power saving the maker's package refuses to stream.
+    # SmarAct's package refuses to stream while sensors are in power-save mode.
     assert all(PROPERTIES[channel, Property.SENSOR_POWER_MODE] is SensorPowerMode.ENABLED for channel in PLACES)
     STREAM["frames"] = 0
     return 7
