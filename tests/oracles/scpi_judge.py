@@ -156,7 +156,7 @@ def compare(rack, facts, channel, output, link, schedule):
     near = lambda code, level: abs(volts(code) - level) <= lsb / 2 + 1e-9
     if schedule.is_stage(channel):
         step_um = schedule.fastest(channel) * period_ns
-        few = len(codes) < facts["most_points"] / 2
+        few = sum(map(len, codes)) < facts["most_points"] / 2
         demand(step_um <= SAMPLE_UM + 1e-9 or not few, f"{channel} moves {step_um} um from sample to sample")
     parts = schedule.parts()
     holds = schedule.document.get("holds", [])

@@ -185,7 +185,7 @@ fn a_help_is_tried_on_the_whole_task() {
     assert!(reported.contains("without `fence` there is a plan"), "{reported}");
     order.planner.expansions = 4;
     let (_, reported) = refused(order);
-    assert!(reported.contains("no plan of the task was found then within 1 expansions a step"), "{reported}");
+    assert!(reported.contains("no plan of the task was found then within 1 expansion per step"), "{reported}");
 }
 
 #[test]

@@ -171,7 +171,7 @@ fn help(order: &ElectrodeArrayOrder, requirements: &[Requirement], wider: &[Plan
         })
     });
     let raises: Vec<String> = raises.collect();
-    let plans = if raises.len() > 1 { "plans with that are known" } else { "a plan with that is known" };
+    let plans = if raises.len() > 1 { "plans within these limits are known" } else { "a plan within it is known" };
     (!raises.is_empty()).then(|| format!("raise {}: {plans}", raises.join(", or ")))
 }
 

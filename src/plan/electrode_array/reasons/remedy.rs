@@ -8,6 +8,7 @@
 use crate::claims::electrode_array::{Bystanders, ElectrodeArrayMethod, ElectrodeArrayOrder, ElectrodeArrayPlanner};
 use crate::plan::electrode_array::stage::BoardStage;
 use crate::plan::errors::{Removal, listed};
+use crate::quantity::count;
 use std::sync::Arc;
 
 /// 1/N of a step's budget for trying a remedy.
@@ -51,7 +52,7 @@ impl CutOffPart<'_> {
                 format!("{alone}{}; but {} the task has no plan either", self.extent(), self.then())
             }
             RemedyOutcome::NotFound(budget) => {
-                let within = format!("within {budget} expansions per step");
+                let within = format!("within {} per step", count(budget, "expansion"));
                 format!("{alone}{}; no plan of the task was found {} {within}", self.extent(), self.then())
             }
             RemedyOutcome::LeftOut => format!("{alone}{}; the other parts were not considered", self.extent()),
