@@ -6,6 +6,7 @@
 //! with open texts in place of the files on the disk. Guarantee: no message but `exit` ends the server; an unknown
 //! document, a position outside a text or an unknown request gets an empty answer or an error. Nothing is planned here.
 
+mod capabilities;
 mod completion;
 mod cursor;
 mod findings;
@@ -24,11 +25,12 @@ mod tests;
 pub use planning::{PLANNED, PlanningResult, ProgramPlanner};
 
 use crate::check::imports::Library;
+use capabilities::{capabilities, column_unit, refreshes_hints};
 use findings::{OpenFindings, Overlay};
 use hints::CheckedFigures;
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use lsp_types::notification::{
-    DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Exit,
+    DidChangeTextDocument, DidChangeWatchedFiles, DidCloseTextDocument, DidOpenTextDocument, DidSaveTextDocument, Exit,
     Notification as Notice, PublishDiagnostics,
 };
 use lsp_types::request::{
@@ -37,11 +39,8 @@ use lsp_types::request::{
     References, Rename, Request as Asked, SemanticTokensFullRequest, Shutdown, SignatureHelpRequest,
 };
 use lsp_types::{
-    CodeActionProviderCapability, CodeLensOptions, CompletionOptions, DocumentHighlight, DocumentSymbolResponse,
-    FoldingRangeProviderCapability, HoverProviderCapability, InitializeParams, Location, OneOf, PositionEncodingKind,
-    PublishDiagnosticsParams, SemanticTokens, SemanticTokensFullOptions, SemanticTokensLegend, SemanticTokensOptions,
-    SemanticTokensServerCapabilities, ServerCapabilities, SignatureHelpOptions, TextDocumentSyncCapability,
-    TextDocumentSyncKind, TextDocumentSyncOptions, TextDocumentSyncSaveOptions, TextEdit, Uri, WorkspaceEdit,
+    DocumentHighlight, DocumentSymbolResponse, InitializeParams, Location, PublishDiagnosticsParams, SemanticTokens,
+    TextEdit, Uri, WorkspaceEdit,
 };
 use names::ProgramNames;
 use planning::ProgramPlans;
@@ -98,64 +97,6 @@ pub fn serve(
         is_shut: false,
     };
     Ok(session.run())
-}
-
-/// Bytes if the client can count them, which is cheapest; otherwise UTF-16 code units, the protocol's default.
-fn column_unit(asked: &InitializeParams) -> ColumnUnit {
-    let general = asked.capabilities.general.as_ref();
-    let known = general.and_then(|general| general.position_encodings.as_ref());
-    match known.is_some_and(|known| known.contains(&PositionEncodingKind::UTF8)) {
-        true => ColumnUnit::Byte,
-        false => ColumnUnit::Utf16,
-    }
-}
-
-/// Whether the client can be asked to request hints again.
-fn refreshes_hints(asked: &InitializeParams) -> bool {
-    let hints = asked.capabilities.workspace.as_ref().and_then(|workspace| workspace.inlay_hint.as_ref());
-    hints.is_some_and(|hints| hints.refresh_support == Some(true))
-}
-
-fn capabilities(unit: ColumnUnit) -> ServerCapabilities {
-    ServerCapabilities {
-        position_encoding: Some(match unit {
-            ColumnUnit::Byte => PositionEncodingKind::UTF8,
-            ColumnUnit::Utf16 => PositionEncodingKind::UTF16,
-        }),
-        text_document_sync: Some(TextDocumentSyncCapability::Options(TextDocumentSyncOptions {
-            open_close: Some(true),
-            change: Some(TextDocumentSyncKind::INCREMENTAL),
-            save: Some(TextDocumentSyncSaveOptions::Supported(true)),
-            ..TextDocumentSyncOptions::default()
-        })),
-        document_formatting_provider: Some(OneOf::Left(true)),
-        document_symbol_provider: Some(OneOf::Left(true)),
-        hover_provider: Some(HoverProviderCapability::Simple(true)),
-        completion_provider: Some(CompletionOptions {
-            trigger_characters: Some(vec![".".to_owned()]),
-            ..CompletionOptions::default()
-        }),
-        code_action_provider: Some(CodeActionProviderCapability::Simple(true)),
-        definition_provider: Some(OneOf::Left(true)),
-        references_provider: Some(OneOf::Left(true)),
-        document_highlight_provider: Some(OneOf::Left(true)),
-        rename_provider: Some(OneOf::Left(true)),
-        inlay_hint_provider: Some(OneOf::Left(true)),
-        code_lens_provider: Some(CodeLensOptions { resolve_provider: Some(false) }),
-        signature_help_provider: Some(SignatureHelpOptions {
-            trigger_characters: Some(["(", ","].map(str::to_owned).to_vec()),
-            ..SignatureHelpOptions::default()
-        }),
-        folding_range_provider: Some(FoldingRangeProviderCapability::Simple(true)),
-        semantic_tokens_provider: Some(SemanticTokensServerCapabilities::SemanticTokensOptions(
-            SemanticTokensOptions {
-                legend: SemanticTokensLegend { token_types: highlight::LEGEND.to_vec(), token_modifiers: Vec::new() },
-                full: Some(SemanticTokensFullOptions::Bool(true)),
-                ..SemanticTokensOptions::default()
-            },
-        )),
-        ..ServerCapabilities::default()
-    }
 }
 
 /// An open document.
@@ -317,6 +258,15 @@ impl Session<'_> {
                 self.open.values_mut().for_each(|document| document.ticket = None);
                 let read = self.open_files_read();
                 self.follow_disk(&read);
+            }
+            DidChangeWatchedFiles::METHOD => {
+                let Some(changed) = read::<lsp_types::DidChangeWatchedFilesParams>(notice.params) else { return };
+                let is_open = |uri: &Uri| text::path(uri).is_some_and(|path| self.open.contains_key(&path));
+                // An open text stands for its file. Any other file may be one that open programs read from the disk.
+                if changed.changes.iter().any(|change| !is_open(&change.uri)) {
+                    self.open.values_mut().for_each(|document| document.ticket = None);
+                    self.is_changed = true;
+                }
             }
             PLANNED => {
                 let Some(result) = read::<PlanningResult>(notice.params) else { return };

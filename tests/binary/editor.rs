@@ -231,6 +231,29 @@ fn a_quick_fix_writes_the_word_that_is_near() {
     }
 }
 
+/// A used file that another program changes on the disk affects the open program that uses it.
+#[test]
+fn files_that_change_on_the_disk_are_read_again() {
+    let bench = Bench::new();
+    fs::write(bench.path("lab.twz"), "let goal = (1, 1)\n").expect("written");
+    let [lab, program] = ["lab.twz", "a.twz"].map(|name| format!("file://{}", bench.path(name).display()));
+    let text =
+        SMALL.replace("use std.dimibot", "use std.dimibot\nuse \"lab.twz\" as lab").replace("(1, 1)", "lab.goal");
+    let (mut editor, _) = Editor::new(json!({}));
+    editor.open(&program, &text);
+    assert_eq!(editor.findings(), (program.clone(), vec![]));
+    fs::write(bench.path("lab.twz"), "let aim = (1, 1)\n").expect("written");
+    let changed = |uri: &str| json!({ "changes": [{ "uri": uri, "type": 2 }] });
+    // The text in the editor stands for this file: nothing is checked again, and the next findings are those below.
+    editor.note("workspace/didChangeWatchedFiles", changed(&program));
+    editor.note("workspace/didChangeWatchedFiles", changed(&lab));
+    let (of, found) = editor.findings();
+    assert_eq!((of, found.len()), (program, 1), "{found:?}");
+    says(found[0]["message"].as_str().expect("text"), &["goal"]);
+    editor.note("exit", Value::Null);
+    assert_eq!(editor.status(), Some(ERRORS));
+}
+
 /// A change of a used file in the editor, not yet on the disk, affects the program that uses it.
 #[test]
 fn open_texts_stand_for_files() {

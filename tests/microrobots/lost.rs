@@ -131,7 +131,7 @@ fn commands_that_nobody_takes_end_the_run() {
     assert_eq!(status.code(), Some(STOPPED));
     let verified = Command::new(assert_cmd::cargo::cargo_bin!("tweeze")).arg("verify").arg(&record).output();
     let said = String::from_utf8_lossy(&verified.expect("it runs").stderr).into_owned();
-    let is_told = said.contains("does not take them") || said.contains("no measurement after the end");
+    let is_told = said.contains("does not read them") || said.contains("no measurement arrived");
     assert!(said.contains("E0765") && is_told, "{said}");
 }
 

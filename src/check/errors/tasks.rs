@@ -467,15 +467,14 @@ pub fn assay_of_other_kind(span: Span, kind: &str) -> Diagnostic {
 }
 
 pub fn no_start(span: Span, vocabulary: &Vocabulary) -> Diagnostic {
-    let nouns: Vec<&str> = vocabulary.nouns.iter().map(|noun| noun.name).filter(|noun| *noun != "obstacle").collect();
-    let nouns = nouns.join(", ");
+    let nouns = listed(vocabulary.nouns.iter().map(|noun| noun.name).filter(|noun| *noun != "obstacle"));
     Diagnostic::new(Code::E0518, format!("a task of {} cannot set where it starts", with_article(vocabulary.name)))
         .label(span, "not in this task")
         .help(format!("the scene places each {nouns}; after that, each starts where the last task left it"))
 }
 
 pub fn shape_of_other_kind(span: Span, shape: &str, noun: &str, kind: &str, known: &[&str]) -> Diagnostic {
-    Diagnostic::new(Code::E0514, format!("`{shape}` cannot be the shape of a `{noun}` of the kind {kind}"))
+    Diagnostic::new(Code::E0514, format!("`{shape}` is not a shape for {} of the kind {kind}", with_article(noun)))
         .label(span, "not a shape of this noun")
         .help(format!("it may be {}", super::either(known)))
 }

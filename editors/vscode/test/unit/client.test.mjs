@@ -35,9 +35,12 @@ test("the server is `tweeze lsp`, on standard input and output without an option
   assert.equal(id, "tweeze");
   assert.deepEqual(server, { command: executable, args: ["lsp"] });
   assert.deepEqual(client.documentSelector, [{ scheme: "file", language: "tweeze" }]);
+  assert.equal(client.synchronize.fileEvents, done.watchers[0]);
+  assert.deepEqual(done.watchers, [{ pattern: "**/*.{twz,stl}", isDisposed: false, dispose: done.watchers[0].dispose }]);
   assert.equal(state, "running");
   await extension.deactivate();
   assert.equal(done.servers[0].state, "ended");
+  assert.equal(done.watchers[0].isDisposed, true);
 });
 
 test("the server starts again when its path changes, or when that is asked for", async () => {

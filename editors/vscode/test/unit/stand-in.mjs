@@ -26,7 +26,7 @@ const parsed = (link) => ({ ...fileUri(decodeURI(link.replace("file://", ""))), 
  *   pressed, whether the workspace is trusted, and the error with which the server fails to start
  */
 export function inEditor({ settings = {}, document, others = [], folder, press, trusted = true, failing } = {}) {
-  const done = { commands: new Map(), messages: [], executed: [], tasks: [], servers: [], ended: [], saved: 0, listeners: [], trusts: [], providers: [] };
+  const done = { commands: new Map(), messages: [], executed: [], tasks: [], servers: [], ended: [], saved: 0, watchers: [], listeners: [], trusts: [], providers: [] };
   const workspaceFolder = folder && { uri: fileUri(folder), name: "folder", index: 0 };
   const running = [];
   const tell = (kind) => (text, ...buttons) => {
@@ -56,6 +56,11 @@ export function inEditor({ settings = {}, document, others = [], folder, press, 
       getConfiguration: (section) => ({ get: (name, otherwise) => settings[`${section}.${name}`] ?? otherwise }),
       onDidChangeConfiguration: (listener) => done.listeners.push(listener),
       onDidGrantWorkspaceTrust: (listener) => done.trusts.push(listener),
+      createFileSystemWatcher: (pattern) => {
+        const watcher = { pattern, isDisposed: false, dispose: () => (watcher.isDisposed = true) };
+        done.watchers.push(watcher);
+        return watcher;
+      },
       saveAll: async () => (done.saved += 1) > 0,
     },
     tasks: {
