@@ -9,7 +9,7 @@ use crate::plan::{Motion, Optimality, Plan};
 use crate::quantity::Quantity;
 use crate::schedule::reached::{Reached, reached};
 use crate::schedule::{
-    Actuation, Channel, ChannelUnit, PlanRecord, Schedule, ScheduledOperation, ScheduledStep, SourceRef, Swing,
+    Actuation, Channel, ChannelUnit, PartCells, PlanRecord, Schedule, ScheduledOperation, ScheduledStep, SourceRef,
     TimedState,
 };
 use crate::source::{Sources, Span};
@@ -19,8 +19,10 @@ use std::collections::BTreeMap;
 #[derive(Default)]
 pub struct LoweredRun {
     pub duration_ns: u64,
-    /// Channels are named without the device's name.
-    pub actuations: Vec<(String, RunActuation)>,
+    /// Names of the channels used, without the device's name.
+    pub channels: Vec<String>,
+    /// Their channels are indices into `channels`, their steps indices into `steps`.
+    pub actuations: Vec<Actuation>,
     /// Source span, start and duration of each step of the order, in order.
     pub steps: Vec<(Span, u64, u64)>,
     /// The operations of steps in which operations overlap.
@@ -28,14 +30,15 @@ pub struct LoweredRun {
     pub states: Vec<TimedState>,
 }
 
-/// A value on a channel within a run; `step` is an index into the run's steps.
-pub struct RunActuation {
-    pub start_ns: u64,
-    pub duration_ns: u64,
-    pub from: f64,
-    pub to: f64,
-    pub swing: Option<Swing>,
-    pub step: usize,
+impl LoweredRun {
+    /// The index of a channel, which is added if it is new; meant for few channels.
+    pub fn channel(&mut self, name: &str) -> u32 {
+        let known = self.channels.iter().position(|known| known == name);
+        known.unwrap_or_else(|| {
+            self.channels.push(name.to_owned());
+            self.channels.len() - 1
+        }) as u32
+    }
 }
 
 /// An operation within a run; `step` is an index into the run's steps, the other fields are those of
@@ -90,7 +93,7 @@ fn between_runs(claims: &Claims, runs: &[LoweredRun], starts: &[u64], sink: &mut
         };
         let gap_ns = starts[job].saturating_sub(starts[before] + runs[before].duration_ns);
         let end = runs[before].states.last().and_then(|last| last.state.cells());
-        if gap_ns == 0 || end.is_none_or(BTreeMap::is_empty) {
+        if gap_ns == 0 || end.is_none_or(PartCells::is_empty) {
             continue;
         }
         let gap = Quantity::time_ns(gap_ns);
@@ -159,19 +162,19 @@ impl<'a> ScheduleBuilder<'a> {
         self.channels.push(Channel { name, device: device.to_owned(), unit, wire, rest_v: 0.0 });
     }
 
-    fn add(&mut self, job: usize, plan: &Plan<Motion>, run: LoweredRun, start_ns: u64) {
+    fn add(&mut self, job: usize, plan: &Plan<Motion>, mut run: LoweredRun, start_ns: u64) {
         let task = &self.claims.jobs[job];
-        let first_step = self.steps.len();
-        for (channel, actuation) in &run.actuations {
-            self.actuations.push(Actuation {
-                channel: self.index[&format!("{}.{channel}", task.device)],
-                start_ns: start_ns + actuation.start_ns,
-                duration_ns: actuation.duration_ns,
-                from: actuation.from,
-                to: actuation.to,
-                swing: actuation.swing,
-                step: (first_step + actuation.step) as u32,
-            });
+        let first_step = self.steps.len() as u32;
+        let indices: Vec<u32> =
+            run.channels.iter().map(|channel| self.index[&format!("{}.{channel}", task.device)]).collect();
+        for actuation in &mut run.actuations {
+            actuation.channel = indices[actuation.channel as usize];
+            actuation.start_ns += start_ns;
+            actuation.step += first_step;
+        }
+        match self.actuations.is_empty() {
+            true => self.actuations = std::mem::take(&mut run.actuations),
+            false => self.actuations.append(&mut run.actuations),
         }
         for (nth, (span, at_ns, duration_ns)) in run.steps.iter().enumerate() {
             let over = run.states.partition_point(|state| state.t_ns <= at_ns + duration_ns);

@@ -4,13 +4,13 @@
 //! whatever comes next.
 
 use super::Lowered;
-use super::clock::{LoweredRun, RunActuation};
+use super::clock::LoweredRun;
 use crate::claims::dimibot::DimibotOrder;
 use crate::device::dimibot::{DimibotFacts, LatticeCell, Side, Switch};
 use crate::plan::Planned;
 use crate::plan::dimibot::{DimibotMotion, DimibotStepMotion, ModulePulse};
 use crate::schedule::dimibot::DimibotState;
-use crate::schedule::{ChannelUnit, State, TimedState};
+use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
 
 impl Lowered for Planned<'_, DimibotOrder, DimibotMotion> {
     fn run(&self) -> Option<LoweredRun> {
@@ -55,8 +55,9 @@ fn fire(
         for module in (0..facts.modules(side)).filter(|module| mask >> module & 1 == 1) {
             let switch = if bits >> module & 1 == 1 { Switch::Reset } else { Switch::Set };
             let volts = facts.pulse_voltage_v;
-            let actuation = RunActuation { start_ns, duration_ns, from: volts, to: volts, swing: None, step };
-            run.actuations.push((DimibotFacts::channel(side, module, switch), actuation));
+            let (from, to, step) = (volts, volts, step as u32);
+            let channel = run.channel(&DimibotFacts::channel(side, module, switch));
+            run.actuations.push(Actuation { channel, start_ns, duration_ns, from, to, swing: None, step });
         }
     }
     run.duration_ns = end_ns.checked_add(facts.rest_ns)?;

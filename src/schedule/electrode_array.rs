@@ -1,20 +1,19 @@
 //! States of an electrode array. The goals of its steps are cells, which are met exactly or not at all.
 
 use super::cost::{Costed, count_of, proof};
+use super::part_cells::PartCells;
 use super::reached::{Reached, Reaching};
 use super::{KindState, PlanRecord, State};
 use crate::claims::electrode_array::{ElectrodeArrayObjective, ElectrodeArrayOrder};
 use crate::device::electrode_array::ElectrodeArrayOutcome;
 use crate::quantity::{count, digits};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// Cells of the parts of a board.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ElectrodeArrayState {
-    /// Column and row of each part, both from 1, by its name; a part that has merged into another is no longer
-    /// listed.
-    pub parts: BTreeMap<String, [u32; 2]>,
+    /// A part that has merged into another is no longer listed.
+    pub parts: PartCells,
 }
 
 impl KindState for ElectrodeArrayState {
@@ -22,7 +21,7 @@ impl KindState for ElectrodeArrayState {
         Vec::new()
     }
 
-    fn cells(&self) -> Option<&BTreeMap<String, [u32; 2]>> {
+    fn cells(&self) -> Option<&PartCells> {
         Some(&self.parts)
     }
 }

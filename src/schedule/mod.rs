@@ -11,10 +11,12 @@ pub mod fingers;
 pub mod json;
 pub mod levels;
 pub mod microrobots;
+mod part_cells;
 pub mod reached;
 mod speed_jumps;
 
 pub use microrobots::control;
+pub use part_cells::PartCells;
 pub use reached::Reached;
 pub use speed_jumps::SpeedJump;
 
@@ -298,7 +300,7 @@ trait KindState {
     fn floats(&self) -> Vec<f64>;
 
     /// Column and row of each part by its name, for kinds whose parts are on cells.
-    fn cells(&self) -> Option<&std::collections::BTreeMap<String, [u32; 2]>> {
+    fn cells(&self) -> Option<&PartCells> {
         None
     }
 }
@@ -310,7 +312,7 @@ impl State {
     }
 
     /// Column and row of each part by its name, for kinds whose parts are on cells.
-    pub fn cells(&self) -> Option<&std::collections::BTreeMap<String, [u32; 2]>> {
+    pub fn cells(&self) -> Option<&PartCells> {
         each_kind!(State, self, state => state.cells())
     }
 }

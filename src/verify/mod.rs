@@ -44,8 +44,8 @@ use crate::source::{Sources, Span};
 use clock::JudgedRun;
 use evidence::Tally;
 use rule::Findings;
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Deref;
 use std::rc::Rc;
 
 /// A schedule that was replayed without a violation, with the claims that it keeps.
@@ -205,11 +205,29 @@ impl From<Violation> for ReplayStop {
     }
 }
 
+/// A replayed state; that of the record where the two agree, since there may be millions.
+#[derive(Debug)]
+enum ReplayedState<'a> {
+    Recorded(&'a TimedState),
+    Own(Box<TimedState>),
+}
+
+impl Deref for ReplayedState<'_> {
+    type Target = TimedState;
+
+    fn deref(&self) -> &TimedState {
+        match self {
+            ReplayedState::Recorded(state) => state,
+            ReplayedState::Own(state) => state,
+        }
+    }
+}
+
 /// Result of the replay of a run.
 #[derive(Debug)]
 struct Replay<'a> {
-    /// States at the beginning and after every change. Borrowed from the record where the two are equal.
-    states: Vec<Cow<'a, TimedState>>,
+    /// States at the beginning and after every change.
+    states: Vec<ReplayedState<'a>>,
     /// Every outcome of the kind's vocabulary, by name, in SI units.
     outcomes: BTreeMap<&'static str, f64>,
     /// Concurrent operations, by index of the step in the run, in the order of the program.

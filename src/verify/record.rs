@@ -5,13 +5,12 @@
 
 use super::clock::JudgedRun;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{JudgedOperation, RecordTerms, Replay, judge_of, judged_state};
+use super::{JudgedOperation, RecordTerms, Replay, ReplayedState, judge_of, judged_state};
 use crate::claims::{Relation, Requirement};
 use crate::device::{Outcome, OutcomeUnit};
 use crate::quantity::{Dimension, Quantity, digits};
 use crate::schedule::reached::reached;
 use crate::schedule::{Reached, ScheduledOperation, TimedState};
-use std::borrow::Cow;
 
 /// Relative difference up to which two figures agree, as a fraction of the larger one.
 pub(super) const TOLERANCE: f64 = 1e-9;
@@ -195,9 +194,9 @@ fn operations(run: &JudgedRun, replay: &Replay, findings: &mut Findings) {
 }
 
 /// The violation at the first recorded state that differs from the replayed one.
-pub(super) fn difference(run: &JudgedRun, replayed: &[Cow<TimedState>]) -> Option<Violation> {
+pub(super) fn difference(run: &JudgedRun, replayed: &[ReplayedState]) -> Option<Violation> {
     let recorded = &run.plan.states;
-    let differs = |(one, other): (&TimedState, &Cow<TimedState>)| !agrees(one, other);
+    let differs = |(one, other): (&TimedState, &ReplayedState)| !agrees(one, other);
     let first = recorded.iter().zip(replayed).position(differs);
     let violation = match first {
         Some(0) if recorded[0].t_ns == replayed[0].t_ns => {

@@ -342,7 +342,7 @@ fn who_leaves_in_a_step_without_a_beat_is_gone_in_the_states() {
     assert_eq!(built.codes, Vec::<&str>::new());
     let parts = |plan: &tweeze::schedule::PlanRecord| -> Vec<(u64, String)> {
         let names = |state: &State| match state {
-            State::ElectrodeArray(state) => state.parts.keys().map(String::as_str).collect(),
+            State::ElectrodeArray(state) => state.parts.iter().map(|(name, _)| name).collect(),
             other => panic!("{other:?}"),
         };
         plan.states.iter().map(|timed| (timed.t_ns / 1_000_000, names(&timed.state))).collect()

@@ -7,6 +7,7 @@ use super::default_expansions;
 use super::errors;
 use super::errors::Departure;
 use super::scene::{BlockedCell, BoardScene, Outlet, on_obstacle};
+use super::stay_steps::{StayExcess, StaySteps};
 use crate::check::figures::Figures;
 use crate::check::lets::Argument;
 use crate::check::tasks::{self, ContentRequirement, Parts, TaskSite};
@@ -245,14 +246,13 @@ impl BoardStepJudge<'_> {
             | tasks::VocabularyAction::Wait(_) => self.nothing_after(calls)?,
         }
         let mut gone: BTreeMap<usize, Departure> = BTreeMap::new();
-        let mut stays = 0;
+        let mut stays = StaySteps::default();
         for (operation, call) in operations.iter().zip(calls) {
-            stays += operation.stay_steps(self.facts);
-            let most = self.facts.most_stay_steps(self.board_scene.parts.len());
-            if stays > most {
+            if let Some(StayExcess { part, steps }) = stays.add(operation, self.facts) {
                 let time = phrases(call, "for").next();
                 let span = time.map_or(call.span, |time| time.span);
-                let wrong = errors::stays_too_long(span, [stays, most], self.facts.step_ns);
+                let part = part.map(|part| self.name(part));
+                let wrong = errors::stays_too_long(span, part, steps, self.facts.step_ns);
                 self.sink.push(match time {
                     Some(time) => errors::given_at(wrong, time),
                     None => wrong,

@@ -58,22 +58,35 @@ impl Liquid {
 /// devices that do not state the largest droplet that they carry. In a gap of constant height the width grows with the
 /// square root of the volume.
 pub fn warn_of_wide_droplets(jobs: &[Job], sink: &mut Sink) {
-    let mut boards: BTreeMap<&str, (BoardLiquids, BTreeSet<&str>)> = BTreeMap::new();
+    // For each device its liquids, the parts that are still to come, and those on the board.
+    let mut boards: BTreeMap<&str, (BoardLiquids, BTreeSet<&str>, BTreeSet<&str>)> = BTreeMap::new();
     for job in jobs {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
-        let (board, present) = boards.entry(&job.device).or_default();
+        let (board, coming, present) = boards.entry(&job.device).or_default();
         let name = |part: usize| order.parts[part].name.as_str();
-        present.extend((0..order.parts.len()).map(name).filter(|part| !board.liquids.contains_key(*part)));
+        let new: Vec<&str> =
+            (0..order.parts.len()).map(name).filter(|part| !board.liquids.contains_key(*part)).collect();
         board.put(&order.parts);
+        for part in new {
+            if board.volume(part) > 0.0 {
+                present.insert(part)
+            } else {
+                coming.insert(part)
+            };
+        }
         for change in order.steps.iter().flat_map(|step| changes(&step.action)) {
             // Violations of the device's limits were already reported.
             board.change(job, order, &change);
+            let is_here = |part: &usize| board.volume(name(*part)) > 0.0 && coming.remove(name(*part));
+            let came: Vec<usize> = change.filled().filter(is_here).collect();
+            present.extend(came.into_iter().map(name));
             for part in change.gone() {
+                coming.remove(name(part));
                 present.remove(name(part));
             }
             if let (Some(_), None) = (change.with(), order.facts.most_volume) {
                 let part = name(change.part);
-                let others = present.iter().copied().filter(|other| *other != part && board.volume(other) > 0.0);
+                let others = present.iter().copied().filter(|other| *other != part);
                 let widest = others.max_by(|one, other| board.volume(one).total_cmp(&board.volume(other)));
                 let half_width = |part: &str| order.facts.layout.half_width_pitches * board.volume(part).sqrt();
                 let apart = order.facts.separation.apart();
@@ -107,6 +120,15 @@ impl LiquidChange<'_> {
             LiquidCause::Operation(operation) => operation.with,
             LiquidCause::Merge(with) => Some(with),
         }
+    }
+
+    /// The parts that may have liquid from then on.
+    fn filled(&self) -> impl Iterator<Item = usize> {
+        let half = match self.cause {
+            LiquidCause::Operation(operation) => operation.splits.map(|half| half.part),
+            LiquidCause::Merge(_) => None,
+        };
+        std::iter::once(self.part).chain(half)
     }
 
     /// The parts that leave the board by this change.

@@ -16,6 +16,7 @@ mod physics;
 mod positions;
 mod reservoirs;
 mod scene;
+mod stay_steps;
 mod stays;
 mod teams;
 mod washes;

@@ -7,6 +7,7 @@
 
 use super::errors;
 use super::positions::BoardBefore;
+use super::stay_steps::{StayExcess, StaySteps};
 use crate::claims::electrode_array::{
     AssayOperation, BoardPart, Contamination, ElectrodeArrayAction, ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
     WashCourse,
@@ -70,9 +71,12 @@ fn insert_in_order(
             span: course.span,
         }));
         *operations = with_washes(std::mem::take(operations), &washes, course, order.parts.len() + first);
-        let stays: u64 = operations.iter().map(|operation| operation.stay_steps(facts)).sum();
-        let most = facts.most_stay_steps(parts + washes.len());
-        sink.push_if_some((stays > most).then(|| errors::stays_too_long(course.span, [stays, most], facts.step_ns)))?;
+        let mut stays = StaySteps::default();
+        let excess = operations.iter().find_map(|operation| stays.add(operation, facts));
+        sink.push_if_some(excess.map(|StayExcess { part, steps }| {
+            let part = part.and_then(|part| order.parts.get(part)).map(|part| part.name.as_str());
+            errors::stays_too_long(course.span, part, steps, facts.step_ns)
+        }))?;
     }
     Some(())
 }

@@ -56,7 +56,7 @@ fn crossings(order: &ElectrodeArrayOrder, run: &ReportedRun, heater: &BoardZone,
 
 fn parts_of<'r>(run: &'r ReportedRun) -> BTreeSet<&'r str> {
     let states = run.plan.states.iter().filter_map(|timed| match &timed.state {
-        State::ElectrodeArray(state) => Some(state.parts.keys().map(String::as_str)),
+        State::ElectrodeArray(state) => Some(state.parts.iter().map(|(name, _)| name)),
         State::Dimibot(_) | State::Microrobots(_) | State::Fingers(_) => None,
     });
     states.flatten().collect()
@@ -70,7 +70,7 @@ fn stays(run: &ReportedRun, part: &str, zone: &BoardZone) -> Vec<[u64; 2]> {
     for (timed, end_ns) in run.plan.states.iter().zip(ends) {
         let State::ElectrodeArray(state) = &timed.state else { continue };
         let is_there =
-            state.parts.get(part).is_some_and(|[column, row]| zone.contains(ElectrodeCell::new(*column, *row)));
+            state.parts.get(part).is_some_and(|[column, row]| zone.contains(ElectrodeCell::new(column, row)));
         match stays.last_mut() {
             _ if !is_there => {}
             Some(last) if last[1] == timed.t_ns => last[1] = end_ns,

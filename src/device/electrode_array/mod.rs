@@ -27,7 +27,7 @@ pub use words::{
 pub const MAX_SIDE: u32 = 1_000;
 
 /// Greatest number of parts in one scene.
-pub const MAX_PARTS: usize = 1_000;
+pub const MAX_PARTS: usize = 32_768;
 
 /// Most parts that share a set of goals in one step.
 pub const MAX_TEAM: usize = 400;
@@ -50,11 +50,16 @@ pub const DEFAULT_MIXER: [u32; 2] = [2, 2];
 /// Columns between the two droplets after a split: the electrodes on both sides of the droplet pull, its own is off.
 pub const SPLIT_APART: u32 = 2;
 
-/// Lower and upper bound of `most_stay_steps`: the limit on a crowded board, and on one with few droplets.
-pub const MAX_STAY_STEPS: [u64; 2] = [100_000, 1_000_000];
+/// Most steps of all stays of one assay together.
+pub const MAX_STAY_STEPS: u64 = 32_000_000;
 
-/// Most droplet-steps during the stays of one assay: a schedule records each droplet in each step.
-const MAX_DROPLET_STEPS: u64 = 100_000_000;
+/// Most steps of the stays of one part in an assay.
+pub const MAX_STAY_STEPS_OF_PART: u64 = 1_000_000;
+
+/// Most steps of a planned assay, and most steps of all its droplets together: a schedule records each droplet in each
+/// step, which takes up to 200 bytes per step and 12 per droplet.
+pub const MAX_ASSAY_STEPS: u64 = 8_000_000;
+pub const MAX_DROPLET_STEPS: u64 = 100_000_000;
 
 /// An electrode, and so a position of a part's centre: column and row, both from 1, rows upward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -276,15 +281,6 @@ impl ElectrodeArrayFacts {
     pub fn mixing_steps(&self, time_ns: u64) -> u64 {
         let round = u64::from(2 * (self.mixer[0] + self.mixer[1]) - 4);
         time_ns.div_ceil(self.step_ns).div_ceil(round).saturating_mul(round)
-    }
-
-    /// Limit on the steps of all stays of one assay together; the more of `parts` parts fit on the board at once, the
-    /// lower it is.
-    pub fn most_stay_steps(&self, parts: usize) -> u64 {
-        let apart = self.separation.apart().max(1);
-        let room = u64::from(self.columns.div_ceil(apart)) * u64::from(self.rows.div_ceil(apart));
-        let [least, most] = MAX_STAY_STEPS;
-        (MAX_DROPLET_STEPS / room.min(parts as u64).max(1)).clamp(least, most)
     }
 
     /// The name of an electrode's channel, without the device's name. A shared channel is named after its first

@@ -25,10 +25,10 @@ pub fn dispensed(verified: &Verified) -> Vec<serde_json::Value> {
         };
         for pair in plan.states.windows(2) {
             let (Some(before), Some(after)) = (pair[0].state.cells(), pair[1].state.cells()) else { continue };
-            let is_new = |name: &str| !before.contains_key(name) && !halves.contains(&(plan.device.as_str(), name));
+            let is_new = |name: &str| !before.contains(name) && !halves.contains(&(plan.device.as_str(), name));
             let come = after.iter().filter(|(name, _)| is_new(name));
             let due_ns = || pair[0].t_ns.max(begin_ns(pair[1].t_ns));
-            found.extend(come.map(|(name, cell)| (due_ns(), name.as_str(), *cell)));
+            found.extend(come.map(|(name, cell)| (due_ns(), name, cell)));
         }
     }
     found.sort();

@@ -97,7 +97,7 @@ pub fn moments(verified: &Verified, device: &str) -> Vec<PartsMoment> {
         for timed in &plan.states {
             let State::ElectrodeArray(ElectrodeArrayState { parts }) = &timed.state else { continue };
             let parts: BTreeMap<String, ElectrodeCell> =
-                parts.iter().map(|(name, [column, row])| (name.clone(), ElectrodeCell::new(*column, *row))).collect();
+                parts.iter().map(|(name, [column, row])| (name.to_owned(), ElectrodeCell::new(column, row))).collect();
             let begins_ns = timed.t_ns.saturating_sub(order.facts.step_ns);
             let Some(last) = moments.last() else {
                 moments.push(PartsMoment { t_ns: 0, parts, gone: BTreeMap::new() });

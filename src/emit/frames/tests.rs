@@ -224,11 +224,11 @@ fn droplets_that_come_are_named_when_they_are_due() {
     let due = |schedule: &Schedule| dispensed(&Verified::assume(schedule.clone(), claims.clone()));
     assert_eq!(due(&schedule), Vec::<serde_json::Value>::new());
     let states = &mut schedule.plans[0].states;
-    let name = states[2].state.cells().and_then(|parts| parts.keys().nth(1)).expect("a second part").clone();
+    let name = states[2].state.cells().and_then(|parts| parts.iter().nth(1)).expect("a second part").0.to_owned();
     let at_s = states[1].t_ns as f64 / 1e9;
     for state in &mut states[..2] {
         let State::ElectrodeArray(board) = &mut state.state else { panic!("a board") };
-        board.parts.remove(&name);
+        board.parts.set(&name, None);
     }
     assert!(at_s > 0.0);
     assert_eq!(due(&schedule), [json!({ "at_s": at_s, "droplet": name, "outlet": [12, 5] })]);

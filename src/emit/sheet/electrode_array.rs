@@ -9,6 +9,7 @@ use crate::claims::electrode_array::{
 use crate::device::electrode_array::{ElectrodeCell, Electrodes, droplets};
 use crate::emit::electrode_array::motion::at_chosen_places;
 use crate::quantity::{Dimension, Quantity, fraction};
+use crate::schedule::PartCells;
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::schedule::{Schedule, ScheduledOperation, ScheduledStep, State, TimedState};
 use crate::verify::Verified;
@@ -179,7 +180,7 @@ impl SheetBoard<'_> {
             Some(State::ElectrodeArray(ElectrodeArrayState { parts })) => Some(parts),
             _ => None,
         };
-        parts.into_iter().flatten().map(|(name, cell)| (name.as_str(), *cell))
+        parts.into_iter().flat_map(PartCells::iter)
     }
 
     /// `` `sample`, 2 droplets: 1/4 dye, 3/4 buffer ``
@@ -247,10 +248,10 @@ fn arrival_ns(order: &ElectrodeArrayOrder, one: &ElectrodeArrayMove, states: &[T
         states.last()?.state.cells()?.iter().find(|(_, [column, row])| ElectrodeCell::new(*column, *row) == goal);
     let (name, merged) = match one.with {
         Some(with) => (order.parts.get(with)?.name.as_str(), true),
-        None => (at_goal?.0.as_str(), false),
+        None => (at_goal?.0, false),
     };
     let arrived = |timed: &&TimedState| match timed.state.cells().and_then(|cells| cells.get(name)) {
-        Some([column, row]) => !merged && ElectrodeCell::new(*column, *row) == goal,
+        Some([column, row]) => !merged && ElectrodeCell::new(column, row) == goal,
         None => merged,
     };
     states.iter().rev().take_while(arrived).last().map(|timed| timed.t_ns)

@@ -10,22 +10,22 @@
 mod operations;
 
 use super::Lowered;
-use super::clock::{LoweredRun, RunActuation};
-use crate::claims::electrode_array::{ElectrodeArrayAction, ElectrodeArrayOrder};
+use super::clock::LoweredRun;
+use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayOrder};
 use crate::device::electrode_array::{
     DispenseFrame, DispenseSequence, ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold,
 };
 use crate::plan::Planned;
 use crate::plan::electrode_array::{ElectrodeArrayMotion, ElectrodeArrayStepMotion, PartCourse};
 use crate::schedule::electrode_array::ElectrodeArrayState;
-use crate::schedule::{ChannelUnit, State, TimedState};
+use crate::schedule::{Actuation, ChannelUnit, PartCells, State, TimedState};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
     fn run(&self) -> Option<LoweredRun> {
         let Planned { order, motion } = self;
-        let (run, cells, firsts) = (LoweredRun::default(), motion.start.clone(), firsts(&order.facts));
-        let mut board = LoweringBoard { order, run, cells, firsts };
+        let mut board = LoweringBoard::new(order, &motion.start);
         board.record(0);
         for (index, (step, motion)) in order.steps.iter().zip(&motion.steps).enumerate() {
             let start_ns = board.run.duration_ns;
@@ -33,7 +33,7 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
                 ElectrodeArrayStepMotion::Wait(duration_ns) => board.wait(*duration_ns, index)?,
                 ElectrodeArrayStepMotion::Assay { operations, courses } => {
                     let paths: Vec<&[ElectrodeCell]> = courses.iter().map(|course| course.cells.as_slice()).collect();
-                    board.follow(&paths, courses, index)?;
+                    board.follow(&board.step(index, paths, courses))?;
                     if let ElectrodeArrayAction::Assay(asked) = &step.action {
                         let timed = operations::timed(order, index, start_ns, asked, operations, courses);
                         board.run.operations.extend(timed);
@@ -41,7 +41,7 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
                 }
                 ElectrodeArrayStepMotion::Paths(paths) => {
                     let paths: Vec<&[ElectrodeCell]> = paths.iter().map(Vec::as_slice).collect();
-                    board.follow(&paths, &[], index)?;
+                    board.follow(&board.step(index, paths, &[]))?;
                     if let ElectrodeArrayAction::Move(moves) = &step.action {
                         board.merge(moves.iter().filter_map(|action| action.with));
                     }
@@ -53,7 +53,7 @@ impl Lowered for Planned<'_, ElectrodeArrayOrder, ElectrodeArrayMotion> {
     }
 
     fn channels(&self, own: &mut dyn Iterator<Item = &LoweredRun>) -> Vec<(String, ChannelUnit)> {
-        let names: BTreeSet<&str> = own.flat_map(|run| &run.actuations).map(|(name, _)| name.as_str()).collect();
+        let names: BTreeSet<&str> = own.flat_map(|run| &run.channels).map(String::as_str).collect();
         let facts = &self.order.facts;
         let mut cells: Vec<ElectrodeCell> = names.iter().filter_map(|name| facts.electrode(name)).collect();
         cells.sort_by_key(|cell| (cell.row, cell.column));
@@ -84,10 +84,53 @@ impl BoardSwitch {
 struct LoweringBoard<'a> {
     order: &'a ElectrodeArrayOrder,
     run: LoweredRun,
-    /// The cell of each part; `None` for a part that has merged, left, or not yet come.
-    cells: Vec<Option<ElectrodeCell>>,
+    /// Cells of the parts on the board. Parts that have merged, left, or not yet come are not listed, since an assay
+    /// may have many more parts than its board holds at once.
+    cells: BTreeMap<usize, ElectrodeCell>,
     /// For each electrode that is not the first of its channel, the first one.
     firsts: BTreeMap<ElectrodeCell, ElectrodeCell>,
+    /// The names of the parts in order, and by part its place there.
+    names: Arc<[Arc<str>]>,
+    ranks: Vec<u32>,
+    /// Indices of the channels used so far.
+    channels: BTreeMap<BoardSwitch, u32>,
+}
+
+/// A step of parts.
+struct LoweredStep<'m> {
+    /// Index of the step.
+    nth: usize,
+    /// By part: its cells.
+    paths: Vec<&'m [ElectrodeCell]>,
+    /// By part, in an assay: when it is on the board. Empty otherwise.
+    courses: &'m [PartCourse],
+    /// By part that is dispensed from a reservoir with pads: its sequence.
+    dispensed: BTreeMap<usize, &'m DispenseSequence>,
+}
+
+impl<'m> LoweredStep<'m> {
+    /// The instant at which a part is at its first cell.
+    fn since(&self, part: usize) -> usize {
+        self.courses.get(part).map_or(0, |course| course.since)
+    }
+
+    /// The cell of a part at an instant; the last one after its end.
+    fn at(&self, part: usize, instant: usize) -> Option<ElectrodeCell> {
+        let path = self.paths.get(part)?;
+        path.get(instant.saturating_sub(self.since(part))).or(path.last()).copied()
+    }
+
+    /// The parts that come onto the board, from the last to the first, each with the instant before its first step.
+    fn coming(&self) -> Vec<(usize, usize)> {
+        let comes = |(part, course): (usize, &PartCourse)| match course.parent {
+            // A droplet that is split off begins in a step of the board where the other one is.
+            Some(_) => Some((course.since.checked_sub(1)?, part)),
+            None => (course.until() > course.since + 1).then_some((course.since, part)),
+        };
+        let mut coming: Vec<(usize, usize)> = self.courses.iter().enumerate().filter_map(comes).collect();
+        coming.sort_unstable_by(|one, other| other.cmp(one));
+        coming
+    }
 }
 
 /// For each electrode that is not the first of its channel, the first one.
@@ -100,55 +143,59 @@ fn firsts(facts: &ElectrodeArrayFacts) -> BTreeMap<ElectrodeCell, ElectrodeCell>
     channels.flat_map(named).collect()
 }
 
-impl LoweringBoard<'_> {
+impl<'a> LoweringBoard<'a> {
+    fn new(order: &'a ElectrodeArrayOrder, start: &[Option<ElectrodeCell>]) -> LoweringBoard<'a> {
+        let mut by_name: Vec<usize> = (0..order.parts.len()).collect();
+        by_name.sort_unstable_by_key(|part| &order.parts[*part].name);
+        let names = by_name.iter().map(|part| order.parts[*part].name.as_str().into()).collect();
+        let mut ranks = vec![0; by_name.len()];
+        (0..).zip(by_name).for_each(|(rank, part)| ranks[part] = rank);
+        let cells = start.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?))).collect();
+        let (run, firsts, channels) = (LoweredRun::default(), firsts(&order.facts), BTreeMap::new());
+        LoweringBoard { order, run, cells, firsts, names, ranks, channels }
+    }
+
     /// Moves all parts through their cells, step by step of the board; in an assay, the courses determine which parts
     /// come and go.
-    fn follow(&mut self, paths: &[&[ElectrodeCell]], courses: &[PartCourse], step: usize) -> Option<()> {
-        let facts = &self.order.facts;
-        let since = |part: usize| courses.get(part).map_or(0, |course| course.since);
-        let until = |(part, path): (usize, &&[ElectrodeCell])| (since(part) + path.len()).saturating_sub(1);
-        let instants = paths.iter().enumerate().map(until).max().unwrap_or(0);
+    fn follow(&mut self, step: &LoweredStep) -> Option<()> {
+        let until = |(part, path): (usize, &&[ElectrodeCell])| (step.since(part) + path.len()).saturating_sub(1);
+        let instants = step.paths.iter().enumerate().map(until).max().unwrap_or(0);
+        let mut coming = step.coming();
         // The switches that are on, with the instant since when.
         let mut on: BTreeMap<BoardSwitch, u64> = BTreeMap::new();
-        let gone_after = |cells: &mut [Option<ElectrodeCell>], instant: usize| {
-            let done = courses.iter().zip(cells).filter(|(course, _)| course.is_gone && course.until() <= instant + 1);
-            done.fold(false, |is_any, (_, cell)| cell.take().is_some() || is_any)
-        };
-        let is_any_gone = gone_after(&mut self.cells, 0);
-        if instants == 0 && is_any_gone {
+        if self.take_gone(step, 0) && instants == 0 {
             // No step of the board follows in which this would be recorded.
             self.record(self.run.duration_ns);
         }
         for instant in 0..instants {
             let start_ns = self.run.duration_ns;
-            for (part, course) in courses.iter().enumerate() {
-                if self.cells[part].is_some() {
-                    continue;
-                }
-                match course.parent {
-                    // A droplet that another one splits off in this step of the board begins where that one is.
-                    Some(parent) if course.since == instant + 1 => self.cells[part] = self.cells[parent],
-                    None if course.since == instant && course.until() > instant + 1 => {
-                        self.cells[part] = course.at(instant);
-                    }
-                    Some(_) | None => (),
+            while let Some((_, part)) = coming.pop_if(|(at, _)| *at <= instant) {
+                let parent = step.courses[part].parent;
+                let cell = parent.map_or(step.at(part, instant), |parent| self.cells.get(&parent).copied());
+                if let Some(cell) = cell {
+                    self.cells.entry(part).or_insert(cell);
                 }
             }
-            let next = |(part, path): (usize, &&[ElectrodeCell])| {
-                self.cells[part]?;
-                path.get((instant + 1).saturating_sub(since(part))).or(path.last()).copied()
-            };
-            let next: Vec<Option<ElectrodeCell>> = paths.iter().enumerate().map(next).collect();
-            let frames = self.frames(instant, courses, step);
+            let next = |part: &usize| Some((*part, step.at(*part, instant + 1)?));
+            let next: BTreeMap<usize, ElectrodeCell> = self.cells.keys().filter_map(next).collect();
+            let frames = self.frames(instant, step);
             let wanted = self.wanted(&next, &frames);
-            self.switch(&mut on, &wanted, start_ns, step);
-            self.run.duration_ns = start_ns.checked_add(facts.step_ns)?;
+            self.switch(&mut on, &wanted, start_ns, step.nth);
+            self.run.duration_ns = start_ns.checked_add(self.order.facts.step_ns)?;
             self.cells = next;
-            gone_after(&mut self.cells, instant + 1);
+            self.take_gone(step, instant + 1);
             self.record(self.run.duration_ns);
         }
-        self.switch(&mut on, &BTreeSet::new(), self.run.duration_ns, step);
+        self.switch(&mut on, &BTreeSet::new(), self.run.duration_ns, step.nth);
         Some(())
+    }
+
+    /// Takes the parts off the board that are gone after an instant; returns whether there are any.
+    fn take_gone(&mut self, step: &LoweredStep, instant: usize) -> bool {
+        let before = self.cells.len();
+        let is_gone = |course: &PartCourse| course.is_gone && course.until() <= instant + 1;
+        self.cells.retain(|part, _| !step.courses.get(*part).is_some_and(is_gone));
+        self.cells.len() < before
     }
 
     /// Nothing moves; held parts stay held.
@@ -162,37 +209,43 @@ impl LoweringBoard<'_> {
         Some(())
     }
 
+    /// The step of an assay, or of moves without courses.
+    fn step<'m>(&self, nth: usize, paths: Vec<&'m [ElectrodeCell]>, courses: &'m [PartCourse]) -> LoweredStep<'m>
+    where
+        'a: 'm,
+    {
+        let sequence = |operation: &AssayOperation| {
+            let reservoirs = self.order.facts.reservoirs.as_ref().filter(|_| operation.comes)?;
+            Some((operation.part, reservoirs.at(operation.stops.first()?.cell)?))
+        };
+        let dispensed = match self.order.steps.get(nth).map(|step| &step.action) {
+            Some(ElectrodeArrayAction::Assay(operations)) => operations.iter().filter_map(sequence).collect(),
+            Some(ElectrodeArrayAction::Move(_) | ElectrodeArrayAction::Wait(_)) | None => BTreeMap::new(),
+        };
+        LoweredStep { nth, paths, courses, dispensed }
+    }
+
     /// The frames of reservoirs at an instant of a step, by the parts that are being dispensed.
-    fn frames(&self, instant: usize, courses: &[PartCourse], step: usize) -> BTreeMap<usize, &DispenseFrame> {
-        let (Some(reservoirs), Some(ElectrodeArrayAction::Assay(operations))) =
-            (&self.order.facts.reservoirs, self.order.steps.get(step).map(|step| &step.action))
-        else {
-            return BTreeMap::new();
+    fn frames<'m>(&self, instant: usize, step: &LoweredStep<'m>) -> BTreeMap<usize, &'m DispenseFrame> {
+        let facts = &self.order.facts;
+        let frame_ns = facts.reservoirs.as_ref().map_or(0, |reservoirs| reservoirs.frame_ns);
+        let frame_steps = (frame_ns / facts.step_ns).max(1) as usize;
+        let frame = |part: &usize| {
+            let since = instant.checked_sub(step.since(*part))?;
+            Some((*part, step.dispensed.get(part)?.frames.get(since / frame_steps)?))
         };
-        let frame_steps = (reservoirs.frame_ns / self.order.facts.step_ns).max(1) as usize;
-        let frame = |part: usize, sequence: &'_ DispenseSequence| {
-            let since = instant.checked_sub(courses.get(part)?.since)?;
-            (since / frame_steps < sequence.frames.len()).then_some(since / frame_steps)
-        };
-        let coming = operations.iter().filter(|operation| operation.comes);
-        coming
-            .filter_map(|operation| {
-                let sequence = reservoirs.at(operation.stops.first()?.cell)?;
-                Some((operation.part, &sequence.frames[frame(operation.part, sequence)?]))
-            })
-            .collect()
+        self.cells.keys().filter(|_| !step.dispensed.is_empty()).filter_map(frame).collect()
     }
 
     /// The electrodes that move the parts to their next cells and hold resting parts; for a part that is being
     /// dispensed, its frame.
     fn wanted(
         &self,
-        next: &[Option<ElectrodeCell>],
+        next: &BTreeMap<usize, ElectrodeCell>,
         frames: &BTreeMap<usize, &DispenseFrame>,
     ) -> BTreeSet<BoardSwitch> {
         let facts = &self.order.facts;
-        let both = self.cells.iter().zip(next).enumerate();
-        let both = both.filter_map(|(part, (from, to))| Some((part, (*from)?, (*to)?)));
+        let both = self.cells.iter().filter_map(|(part, from)| Some((*part, *from, *next.get(part)?)));
         let is_held = |part: usize| frames.get(&part).is_none_or(|frame| frame.outlet);
         let held = both.filter(|(part, ..)| is_held(*part)).flat_map(|(_, from, to)| electrodes(facts, from, to));
         let pads = frames.values().flat_map(|frame| frame.pads.iter().copied().map(BoardSwitch::Pad));
@@ -209,12 +262,18 @@ impl LoweringBoard<'_> {
         step: usize,
     ) {
         let volts = self.order.facts.potential_v;
+        let LoweredRun { channels: names, actuations, .. } = &mut self.run;
+        let channels = &mut self.channels;
         on.retain(|switch, since_ns| {
             let stays = wanted.contains(switch);
             if !stays {
                 let (start_ns, duration_ns) = (*since_ns, now_ns - *since_ns);
-                let actuation = RunActuation { start_ns, duration_ns, from: volts, to: volts, swing: None, step };
-                self.run.actuations.push((switch.channel(), actuation));
+                let channel = *channels.entry(*switch).or_insert_with(|| {
+                    names.push(switch.channel());
+                    names.len() as u32 - 1
+                });
+                let (from, to, step) = (volts, volts, step as u32);
+                actuations.push(Actuation { channel, start_ns, duration_ns, from, to, swing: None, step });
             }
             stays
         });
@@ -227,7 +286,7 @@ impl LoweringBoard<'_> {
     fn merge(&mut self, gone: impl Iterator<Item = usize>) {
         let mut merged = false;
         for part in gone {
-            self.cells[part] = None;
+            self.cells.remove(&part);
             merged = true;
         }
         if merged {
@@ -237,8 +296,10 @@ impl LoweringBoard<'_> {
     }
 
     fn record(&mut self, t_ns: u64) {
-        let parts = self.order.parts.iter().zip(&self.cells);
-        let parts = parts.filter_map(|(part, cell)| Some((part.name.clone(), (*cell)?.pair()))).collect();
+        let here = self.cells.iter().map(|(part, cell)| (self.ranks[*part], cell.pair()));
+        let mut here: Box<[(u32, [u32; 2])]> = here.collect();
+        here.sort_unstable();
+        let parts = PartCells::in_order(self.names.clone(), here);
         self.run.states.push(TimedState { t_ns, state: State::ElectrodeArray(ElectrodeArrayState { parts }) });
     }
 }

@@ -19,6 +19,7 @@ pub fn timed(
     // The instant at which each part is free for its next operation; at first, the one at which it appears.
     let mut free: Vec<usize> = courses.iter().map(|course| course.since).collect();
     let mut lowered = Vec::new();
+    let longest = courses.iter().map(PartCourse::until).max().unwrap_or(0);
     // The instant at which each operation so far ends.
     let mut ends: Vec<usize> = Vec::with_capacity(placed.len());
     for (asked, operation) in asked.iter().zip(placed) {
@@ -29,7 +30,7 @@ pub fn timed(
             None => {
                 let stay = operation.stay_steps(facts) as usize;
                 let begins = operation.after.iter().filter_map(|earlier| ends.get(*earlier)).max();
-                arrival(operation, facts, &free, begins.copied().unwrap_or(0), courses)
+                arrival(operation, facts, &free, begins.copied().unwrap_or(0), courses, longest)
                     .map(|arrival| (arrival, arrival + stay))
             }
         };
@@ -57,15 +58,15 @@ fn pulled_apart(course: &PartCourse, from: usize, end: usize) -> Option<usize> {
 }
 
 /// The first instant, not before `begins`, from which all parts of an operation stay at its last stop, or are mixed
-/// from there, after they have passed the other stops.
+/// from there, after they have passed the other stops. `longest` is the instant after the last one of all courses.
 fn arrival(
     operation: &AssayOperation,
     facts: &ElectrodeArrayFacts,
     free: &[usize],
     begins: usize,
     courses: &[PartCourse],
+    longest: usize,
 ) -> Option<usize> {
-    let longest = courses.iter().map(PartCourse::until).max()?;
     let stay = operation.stay_steps(facts) as usize;
     let mut from = begins;
     let mut goal = None;

@@ -137,5 +137,5 @@ fn merged_droplets_are_one_in_the_last_state() {
     let states = &schedule.plans[0].states;
     assert_eq!(states.len(), 3);
     let State::ElectrodeArray(ElectrodeArrayState { parts }) = &states[2].state else { panic!("a state of a board") };
-    assert_eq!(parts.iter().collect::<Vec<_>>(), [(&"a".to_owned(), &[4, 3])]);
+    assert_eq!(parts.iter().collect::<Vec<_>>(), [("a", [4, 3])]);
 }

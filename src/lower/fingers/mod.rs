@@ -4,19 +4,22 @@
 //! while it rests, both within their steps. A step in which nothing happens takes no time and has no actuation.
 
 use super::Lowered;
-use super::clock::{LoweredRun, RunActuation};
+use super::clock::LoweredRun;
 use crate::claims::fingers::FingersOrder;
 use crate::device::fingers::{AXES, channel};
 use crate::plan::Planned;
 use crate::plan::fingers::{FingersMotion, HeldGrasp, TipsMove};
 use crate::schedule::fingers::FingersState;
-use crate::schedule::{ChannelUnit, State, TimedState};
+use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
 
 impl Lowered for Planned<'_, FingersOrder, FingersMotion> {
     fn run(&self) -> Option<LoweredRun> {
         let Planned { order, motion } = self;
         let start = &motion.start;
-        let mut hand = Lowering { run: LoweredRun::default(), tips_um: start.tips_um.clone() };
+        let axes = |finger: usize| (0..AXES.len()).map(move |axis| channel(finger, axis));
+        let channels = (0..start.tips_um.len()).flat_map(axes).collect();
+        let mut hand =
+            Lowering { run: LoweredRun { channels, ..LoweredRun::default() }, tips_um: start.tips_um.clone() };
         hand.record(&start.hold);
         for (index, (step, moves)) in order.steps.iter().zip(&motion.steps).enumerate() {
             let start_ns = hand.run.duration_ns;
@@ -70,12 +73,11 @@ impl Lowering {
 
     /// Adds the segments of all channels as actuations, sorted by start and then in the order of the channels.
     fn add(&mut self, channels: Vec<Vec<ChannelStretch>>, step: usize) {
-        let named = channels.into_iter().enumerate().flat_map(|(index, stretches)| {
-            let name = channel(index / AXES.len(), index % AXES.len());
-            stretches.into_iter().map(move |stretch| (name.clone(), stretch.actuation(step)))
+        let all = (0..).zip(channels).flat_map(|(channel, stretches)| {
+            stretches.into_iter().map(move |stretch| stretch.actuation(channel, step as u32))
         });
-        let mut actuations: Vec<(String, RunActuation)> = named.collect();
-        actuations.sort_by_key(|(_, actuation)| actuation.start_ns);
+        let mut actuations: Vec<Actuation> = all.collect();
+        actuations.sort_by_key(|actuation| actuation.start_ns);
         self.run.actuations.append(&mut actuations);
     }
 
@@ -99,8 +101,9 @@ impl ChannelStretch {
         self.from_um == self.to_um
     }
 
-    fn actuation(&self, step: usize) -> RunActuation {
-        RunActuation {
+    fn actuation(&self, channel: u32, step: u32) -> Actuation {
+        Actuation {
+            channel,
             start_ns: self.start_ns,
             duration_ns: self.end_ns - self.start_ns,
             from: self.from_um,

@@ -49,10 +49,10 @@ fn motion() -> FingersMotion {
     FingersMotion { start: Stance { tips_um: HOME.to_vec(), hold: hold([0, 0, 0], 1) }, steps }
 }
 
-fn by_channel(run: &LoweredRun) -> BTreeMap<&str, Vec<&RunActuation>> {
-    let mut channels: BTreeMap<&str, Vec<&RunActuation>> = BTreeMap::new();
-    for (name, actuation) in &run.actuations {
-        channels.entry(name).or_default().push(actuation);
+fn by_channel(run: &LoweredRun) -> BTreeMap<&str, Vec<&Actuation>> {
+    let mut channels: BTreeMap<&str, Vec<&Actuation>> = BTreeMap::new();
+    for actuation in &run.actuations {
+        channels.entry(&run.channels[actuation.channel as usize]).or_default().push(actuation);
     }
     channels
 }
@@ -73,7 +73,7 @@ fn every_axis_has_a_value_at_every_instant() {
             assert_eq!(actuation.start_ns, at.0, "{name} has a gap");
             assert!(actuation.duration_ns > 0);
             assert!(at.1.is_none_or(|value| value == actuation.from), "{name} jumps");
-            let (_, start_ns, duration_ns) = run.steps[actuation.step];
+            let (_, start_ns, duration_ns) = run.steps[actuation.step as usize];
             let end_ns = actuation.start_ns + actuation.duration_ns;
             assert!(start_ns <= actuation.start_ns && end_ns <= start_ns + duration_ns, "{name} leaves its step");
             at = (end_ns, Some(actuation.to));
@@ -86,8 +86,8 @@ fn every_axis_has_a_value_at_every_instant() {
 fn rests_are_one_stretch_in_each_step() {
     let run = run(&order(4), &motion()).expect("it is short");
     let lasting = |name: &str| -> Vec<(u64, u64, f64, f64)> {
-        let own = run.actuations.iter().filter(|(other, _)| other == name);
-        own.map(|(_, a)| (a.start_ns, a.duration_ns, a.from, a.to)).collect()
+        let own = run.actuations.iter().filter(|a| run.channels[a.channel as usize] == name);
+        own.map(|a| (a.start_ns, a.duration_ns, a.from, a.to)).collect()
     };
     assert_eq!(lasting("f3.z"), [(0, 65, 0.0, 0.0), (65, 40, 0.0, 0.0), (105, 1, 0.0, 1.0)]);
     let moving = [(0, 10, 10.0, 9.0), (10, 20, 9.0, 8.0), (30, 30, 8.0, 8.0), (60, 5, 8.0, 10.0), (65, 40, 10.0, 10.0)];
@@ -98,10 +98,10 @@ fn rests_are_one_stretch_in_each_step() {
 #[test]
 fn actuations_are_sorted_by_start_and_channel() {
     let run = run(&order(4), &motion()).expect("it is short");
-    let channels = hand().channels();
-    let key = |(name, a): &(String, RunActuation)| (a.start_ns, channels.iter().position(|other| other == name));
+    assert_eq!(run.channels, hand().channels());
+    let key = |a: &Actuation| (a.start_ns, a.channel);
     assert!(run.actuations.is_sorted_by_key(key));
-    assert!(run.actuations.iter().all(|(_, actuation)| actuation.swing.is_none()));
+    assert!(run.actuations.iter().all(|actuation| actuation.swing.is_none()));
 }
 
 #[test]

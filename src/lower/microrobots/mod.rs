@@ -7,13 +7,13 @@
 pub mod command;
 
 use super::Lowered;
-use super::clock::{LoweredRun, RunActuation};
+use super::clock::LoweredRun;
 use crate::claims::microrobots::MicrorobotsOrder;
 use crate::device::microrobots::{Arm, CHANNEL};
 use crate::plan::Planned;
 use crate::plan::microrobots::{Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, RobotDocking};
 use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
-use crate::schedule::{ChannelUnit, State, Swing, TimedState};
+use crate::schedule::{Actuation, ChannelUnit, State, Swing, TimedState};
 
 impl Lowered for Planned<'_, MicrorobotsOrder, MicrorobotsMotion> {
     fn run(&self) -> Option<LoweredRun> {
@@ -69,8 +69,8 @@ impl LoweringBed<'_> {
 
     fn add(&mut self, duration_ns: u64, [from, to]: [f64; 2], swing: Option<Swing>, step: usize) -> Option<()> {
         let start_ns = self.run.duration_ns;
-        let actuation = RunActuation { start_ns, duration_ns, from, to, swing, step };
-        self.run.actuations.push((CHANNEL.to_owned(), actuation));
+        let (channel, step) = (self.run.channel(CHANNEL), step as u32);
+        self.run.actuations.push(Actuation { channel, start_ns, duration_ns, from, to, swing, step });
         self.run.duration_ns = start_ns.checked_add(duration_ns)?;
         Some(())
     }

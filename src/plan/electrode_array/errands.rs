@@ -10,6 +10,7 @@ use crate::claims::electrode_array::{
     AssayOperation, ElectrodeArrayMove, ElectrodeArrayOrder, ElectrodeArrayStop, Fluids,
 };
 use crate::device::electrode_array::ElectrodeCell;
+use rustc_hash::FxHashMap;
 
 /// Context in which an assay is planned.
 #[derive(Clone, Copy)]
@@ -64,6 +65,8 @@ pub struct PartErrands {
     parents: Vec<Option<usize>>,
     /// By operation: the errand that completes it.
     ends: Vec<Option<ErrandPlace>>,
+    /// By part: its index in `moves`.
+    indices: FxHashMap<usize, usize>,
 }
 
 /// Work of a part at a stop.
@@ -92,7 +95,7 @@ impl PartErrands {
     ) -> PartErrands {
         let (moves, works) = (Vec::new(), Vec::new());
         let (enters, is_gone, parents, ends) = (Vec::new(), Vec::new(), Vec::new(), vec![None; operations.len()]);
-        let mut errands = PartErrands { moves, works, enters, is_gone, parents, ends };
+        let mut errands = PartErrands { moves, works, enters, is_gone, parents, ends, indices: FxHashMap::default() };
         for (nth, operation) in operations.iter().enumerate() {
             for part in operation.parts() {
                 let Some(start) = cells[part] else { continue };
@@ -131,7 +134,7 @@ impl PartErrands {
     }
 
     fn index(&mut self, part: usize, operation: &AssayOperation) -> usize {
-        self.moves.iter().position(|one| one.part == part).unwrap_or_else(|| {
+        *self.indices.entry(part).or_insert_with(|| {
             self.moves.push(ElectrodeArrayMove::alone(part, Vec::new(), operation.span));
             self.works.push(Vec::new());
             self.enters.push(false);
@@ -162,7 +165,7 @@ impl PartErrands {
         operations: &[AssayOperation],
     ) -> AssayProblem<'s> {
         let instance = &stage.instance;
-        let of_part = |part: usize| self.moves.iter().position(|one| one.part == part);
+        let of_part = |part: usize| self.indices.get(&part).copied();
         let mut loops: Vec<Vec<CellIndex>> = Vec::new();
         let mut errands = Vec::with_capacity(instance.agents.len());
         let none = [StopWork::default()];

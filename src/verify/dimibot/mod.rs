@@ -14,7 +14,7 @@ use super::evidence::{Clearance, GapUnit};
 use super::geometry::convex::{share_of_side, towards};
 use super::record::TOLERANCE;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{InvalidClaims, Judge, JudgedState, LastStates, RecordTerms, Replay, ReplayStop};
+use super::{InvalidClaims, Judge, JudgedState, LastStates, RecordTerms, Replay, ReplayStop, ReplayedState};
 use crate::claims::dimibot::{DimibotAction, DimibotOrder, DimibotStop};
 use crate::claims::{Claims, Order};
 use crate::device::dimibot::{DimibotFacts, DimibotOutcome, LatticeCell, Side, Simultaneous, Switch};
@@ -22,7 +22,6 @@ use crate::quantity::digits;
 use crate::schedule::dimibot::DimibotState;
 use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
 use scene::{DimibotObstacles, TipTouch, place};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Actuator of a channel.
@@ -134,7 +133,7 @@ impl Judge for DimibotOrder {
         places(&task, findings);
         last_states.insert(&run.job.device, state(&self.facts, task.end()));
         Ok(Replay {
-            states: task.states().into_iter().map(Cow::Owned).collect(),
+            states: task.states().into_iter().map(|state| ReplayedState::Own(Box::new(state))).collect(),
             outcomes: task.outcomes(),
             operations: BTreeMap::new(),
         })

@@ -9,6 +9,7 @@
 //! once those are done.
 
 use super::mixing::{Loop, Mixing};
+use super::parts::PartsOnBoard;
 use super::stage::StepGoals;
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop};
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell};
@@ -105,8 +106,8 @@ pub(super) struct MissedOperation<'o> {
 pub(super) struct JudgedAssay<'o> {
     pub goals: StepGoals,
     turns: BTreeMap<usize, PartTurn<'o>>,
-    /// Outlets at which droplets are dispensed.
-    outlets: BTreeSet<ElectrodeCell>,
+    /// By outlet: the droplets that are not dispensed yet.
+    outlets: BTreeMap<ElectrodeCell, BTreeSet<usize>>,
     /// Times of each operation, by its index; `None` until it is done.
     pub beats: Vec<Option<OperationBeats>>,
     /// Original cells of the parts without an operation that have moved, and the beat of their last move.
@@ -115,11 +116,7 @@ pub(super) struct JudgedAssay<'o> {
 
 impl<'o> JudgedAssay<'o> {
     /// The assay before its first beat.
-    pub fn new(
-        operations: &'o [AssayOperation],
-        facts: &ElectrodeArrayFacts,
-        cells: &[Option<ElectrodeCell>],
-    ) -> JudgedAssay<'o> {
+    pub fn new(operations: &'o [AssayOperation], facts: &ElectrodeArrayFacts, cells: &PartsOnBoard) -> JudgedAssay<'o> {
         let mut turns: BTreeMap<usize, PartTurn> = BTreeMap::new();
         for (place, operation) in operations.iter().enumerate() {
             for part in operation.parts() {
@@ -167,37 +164,44 @@ impl<'o> JudgedAssay<'o> {
             }
         }
         let goals = StepGoals::new(operations.iter().flat_map(AssayOperation::all_parts));
-        let coming = operations.iter().filter(|operation| operation.comes);
-        let outlets = coming.filter_map(|operation| Some(operation.stops.first()?.cell)).collect();
+        let mut outlets: BTreeMap<ElectrodeCell, BTreeSet<usize>> = BTreeMap::new();
+        for operation in operations.iter().filter(|operation| operation.comes) {
+            if let Some(outlet) = operation.stops.first() {
+                outlets.entry(outlet.cell).or_default().insert(operation.part);
+            }
+        }
         JudgedAssay { goals, turns, outlets, beats: vec![None; operations.len()], homes: BTreeMap::new() }
     }
 
     /// The parts that are due to be dispensed at open outlets, by the cell of the outlet.
     pub fn due_from_outlets(
         &self,
-        cells: &[Option<ElectrodeCell>],
+        cells: &PartsOnBoard,
         is_open: impl Fn(ElectrodeCell) -> bool,
     ) -> BTreeMap<ElectrodeCell, Vec<usize>> {
-        let open: Vec<ElectrodeCell> = self.outlets.iter().copied().filter(|outlet| is_open(*outlet)).collect();
-        let mut due: BTreeMap<ElectrodeCell, Vec<usize>> = BTreeMap::new();
-        for (part, turn) in self.turns.iter().filter(|_| !open.is_empty()) {
-            let next = turn.next().filter(|next| next.operation.comes && cells[*part].is_none());
-            let next = next.filter(|next| open.contains(&next.cell));
-            let next = next.filter(|next| self.begins(next).is_some());
-            if let Some(next) = next {
-                due.entry(next.cell).or_default().push(*part);
-            }
-        }
-        due
+        let is_due = |part: &usize, outlet: ElectrodeCell| {
+            let next = self.turns.get(part).and_then(PartTurn::next);
+            let next = next.filter(|next| next.operation.comes && cells[*part].is_none() && next.cell == outlet);
+            next.is_some_and(|next| self.begins(next).is_some())
+        };
+        let open = self.outlets.iter().filter(|(outlet, _)| is_open(**outlet));
+        let due = open.map(|(outlet, parts)| {
+            let due = parts.iter().copied().filter(|part| is_due(part, *outlet));
+            (*outlet, due.collect::<Vec<usize>>())
+        });
+        due.filter(|(_, parts)| !parts.is_empty()).collect()
     }
 
     /// Notes that a part is dispensed in the beat after `beats` beats.
     pub fn come(&mut self, part: usize, beats: u64) {
         self.turns.entry(part).and_modify(|turn| (turn.since, turn.free) = (Some(beats), beats));
+        self.outlets.values_mut().for_each(|waiting| {
+            waiting.remove(&part);
+        });
     }
 
     /// The droplets that are due to split and are at their cell of splitting.
-    pub fn due_to_split(&self, cells: &[Option<ElectrodeCell>]) -> Vec<JudgedSplit> {
+    pub fn due_to_split(&self, cells: &PartsOnBoard) -> Vec<JudgedSplit> {
         let due = |(part, turn): (usize, &PartTurn)| {
             let next = turn.next().filter(|next| matches!(next.work, DueWork::Split) && self.begins(next).is_some())?;
             let (half, at) = (next.operation.splits?, next.operation.stops.first()?.cell);
@@ -230,14 +234,13 @@ impl<'o> JudgedAssay<'o> {
     }
 
     /// Progress of the parts that are on the board; only these can act.
-    fn there(&self, cells: &[Option<ElectrodeCell>]) -> impl Iterator<Item = (usize, &PartTurn<'o>)> {
-        let there = cells.iter().enumerate().filter(|(_, cell)| cell.is_some());
-        there.filter_map(|(part, _)| Some((part, self.turns.get(&part)?)))
+    fn there(&self, cells: &PartsOnBoard) -> impl Iterator<Item = (usize, &PartTurn<'o>)> {
+        cells.iter().filter_map(|(part, _)| Some((part, self.turns.get(&part)?)))
     }
 
     /// Completes everything that is done after `beat` beats, with the parts at these cells. Parts that have merged or
     /// left are removed from `cells`.
-    pub fn settle(&mut self, beat: u64, cells: &mut [Option<ElectrodeCell>]) {
+    pub fn settle(&mut self, beat: u64, cells: &mut PartsOnBoard) {
         let parts: Vec<usize> = self.there(cells).map(|(part, _)| part).collect();
         let done = |assay: &JudgedAssay| -> usize {
             parts.iter().filter_map(|part| assay.turns.get(part)).map(|turn| turn.done).sum()
@@ -272,7 +275,7 @@ impl<'o> JudgedAssay<'o> {
         next.is_some_and(|next| std::ptr::eq(next.operation, due.operation) && next.with.is_some())
     }
 
-    fn settle_one(&mut self, part: usize, beat: u64, cells: &mut [Option<ElectrodeCell>]) {
+    fn settle_one(&mut self, part: usize, beat: u64, cells: &mut PartsOnBoard) {
         let Some(turn) = self.turns.get(&part) else { return };
         let Some(due) = turn.next() else { return };
         let begins = self.begins(due);
@@ -315,7 +318,7 @@ impl<'o> JudgedAssay<'o> {
             });
         }
         if let Some(gone) = gone.filter(|_| is_done) {
-            cells[gone] = None;
+            cells.remove(gone);
         }
     }
 
@@ -369,7 +372,7 @@ impl<'o> JudgedAssay<'o> {
     }
 
     /// For each part the first operation that was not done, or its last stop if it ends elsewhere.
-    pub fn missed(&self, cells: &[Option<ElectrodeCell>]) -> Vec<MissedOperation<'o>> {
+    pub fn missed(&self, cells: &PartsOnBoard) -> Vec<MissedOperation<'o>> {
         let missed = |(part, turn): (&usize, &PartTurn<'o>)| {
             let strays = || turn.due.last().filter(|last| cells[*part].is_some_and(|cell| cell != last.cell));
             let due = turn.next().or_else(strays)?;

@@ -57,7 +57,7 @@ impl JudgedBoard<'_, '_> {
     /// Motion of every part, or the first violation of the rules on electrodes.
     pub(super) fn pulled(&self, moment: &StepBeat) -> Result<Pulls, Violation> {
         let tally = &self.run.tally;
-        tally.count_checks(Rule::Pull, self.cells.iter().flatten().count());
+        tally.count_checks(Rule::Pull, self.cells.count());
         tally.count_checks(Rule::Unused, moment.on.len());
         tally.count_checks(Rule::Broadcast, moment.on.iter().filter(|cell| self.channels.is_shared(**cell)).count());
         let pulls = self.pulls(moment)?;
@@ -71,7 +71,6 @@ impl JudgedBoard<'_, '_> {
     /// Every part is pulled to a single cell.
     fn pulls(&self, moment: &StepBeat) -> Result<Pulls, Violation> {
         let electrodes = self.order.facts.layout.electrodes;
-        let here = self.cells.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?)));
         let pull = |(part, at): (usize, ElectrodeCell)| {
             let pull = match (moment.split(part), moment.goals.partner(part)) {
                 (Some((to, _)), _) => Some(PartPull { from: at, to, by: vec![to] }),
@@ -86,7 +85,7 @@ impl JudgedBoard<'_, '_> {
                 self.broken(self.channels.blamed(&acting), moment, title, &[part])
             })
         };
-        here.map(pull).collect()
+        self.cells.iter().map(pull).collect()
     }
 
     /// An electrode carries one part, or two parts to the cell where they merge. Returns the part of each electrode.
@@ -225,11 +224,8 @@ impl JudgedBoard<'_, '_> {
     /// As [`Self::sweeps`], before the first beat.
     pub(super) fn stands_clear(&self) -> Result<(), Violation> {
         let at_ns = self.run.plan.start_ns;
-        let rests = |(part, cell): (usize, &Option<ElectrodeCell>)| {
-            let at = (*cell)?;
-            Some((part, PartPull { from: at, to: at, by: Vec::new() }))
-        };
-        let pulls: Pulls = self.cells.iter().enumerate().filter_map(rests).collect();
+        let rests = |(part, at): (usize, ElectrodeCell)| (part, PartPull { from: at, to: at, by: Vec::new() });
+        let pulls: Pulls = self.cells.iter().map(rests).collect();
         let (goals, on) = (StepGoals::default(), FxHashSet::default());
         let moment = StepBeat { nth: 0, at_ns, goals: &goals, on: &on, splits: &[], released: &[] };
         self.nearest(&moment, &pulls);

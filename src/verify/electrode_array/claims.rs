@@ -11,7 +11,7 @@ use crate::claims::electrode_array::{
 };
 use crate::device::electrode_array::{
     ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_DISPENSE_FRAMES, MAX_PARTS, MAX_PLACES, MAX_SHARING,
-    MAX_SIDE, MAX_ZONES, ReservoirPads, Separation,
+    MAX_SIDE, MAX_STAY_STEPS, MAX_STAY_STEPS_OF_PART, MAX_ZONES, ReservoirPads, Separation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -197,7 +197,7 @@ fn in_zone(order: &ElectrodeArrayOrder, operation: &AssayOperation, stay: ZoneSt
 fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Result<(), InvalidClaims> {
     let channels = JudgedChannels::new(&order.facts);
     let mut gone = BTreeSet::new();
-    let mut stays: u64 = 0;
+    let (mut stays, mut stays_of) = (0u64, BTreeMap::new());
     for (nth, operation) in operations.iter().enumerate() {
         let is_earlier = |lag: &OperationLag| !lag.of.is_empty() && lag.of.iter().all(|of| *of < nth);
         demand(
@@ -218,7 +218,11 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             mix_or_split(order, operation)?;
         }
         stops(order, &operation.stops)?;
-        stays = stays.saturating_add(operation.stay_steps(&order.facts));
+        let stay = operation.stay_steps(&order.facts);
+        stays = stays.saturating_add(stay);
+        let own: &mut u64 = stays_of.entry(operation.part).or_default();
+        *own = own.saturating_add(stay);
+        demand(*own <= MAX_STAY_STEPS_OF_PART, "let a part stay for too many steps")?;
         if let Some(with) = operation.with {
             demand(with != operation.part, "merge a part with itself")?;
             demand(operation.stops.len() == 1 && operation.stay_ns == 0, "merge parts that have other stops")?;
@@ -249,7 +253,7 @@ fn operations(order: &ElectrodeArrayOrder, operations: &[AssayOperation]) -> Res
             gone.insert(operation.part);
         }
     }
-    demand(stays <= order.facts.most_stay_steps(order.parts.len()), "stay for too many steps")
+    demand(stays <= MAX_STAY_STEPS, "stay for too many steps")
 }
 
 /// A droplet is mixed for some time, or it is split and its halves go to opposite sides.

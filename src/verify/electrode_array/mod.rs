@@ -16,6 +16,7 @@ mod lags;
 mod missed;
 mod mixing;
 mod nearest;
+mod parts;
 mod placed;
 mod pull;
 mod reservoirs;
@@ -29,20 +30,22 @@ pub(crate) use contents::{DropletAfter, droplets_after};
 use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{InvalidClaims, Judge, JudgedOperation, JudgedState, LastStates, RecordTerms, Replay, ReplayStop};
+use super::{
+    InvalidClaims, Judge, JudgedOperation, JudgedState, LastStates, RecordTerms, Replay, ReplayStop, ReplayedState,
+};
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayAction, ElectrodeArrayMove, ElectrodeArrayOrder};
 use crate::claims::{Claims, Order};
 use crate::device::electrode_array::{ElectrodeArrayOutcome, ElectrodeCell};
 use crate::schedule::electrode_array::ElectrodeArrayState;
-use crate::schedule::{Actuation, ChannelUnit, State, TimedState};
+use crate::schedule::{Actuation, ChannelUnit, PartCells, State, TimedState};
 use assay::{JudgedAssay, JudgedSplit, OperationBeats};
 use beat::{Pulls, StepBeat};
 use bodies::BoardObstacles;
 use broadcast::JudgedChannels;
+use parts::PartsOnBoard;
 use reservoirs::JudgedReservoirs;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 use stage::{StepGoals, StepProgress};
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use switching::{SwitchPulse, Switching, pulses};
 use traces::JudgedTraces;
@@ -142,10 +145,9 @@ struct JudgedBoard<'r, 'a> {
     pulses: Vec<Vec<(ElectrodeCell, &'a Actuation)>>,
     pads: Vec<Vec<(u32, &'a Actuation)>>,
     /// Indices of the parts, by name.
-    by_name: Vec<usize>,
-    /// Cell of each part; `None` for one that is not on the board, as after a merge.
-    cells: Vec<Option<ElectrodeCell>>,
-    states: Vec<Cow<'a, TimedState>>,
+    by_name: FxHashMap<&'r str, usize>,
+    cells: PartsOnBoard,
+    states: Vec<ReplayedState<'a>>,
     /// The operations of each assay, by index of its step in the run.
     operations: BTreeMap<usize, Vec<JudgedOperation>>,
     /// Traces of droplets on electrodes, if the claims avoid them.
@@ -157,8 +159,7 @@ struct JudgedBoard<'r, 'a> {
 
 impl<'r, 'a> JudgedBoard<'r, 'a> {
     fn new(run: &'r JudgedRun<'a>, order: &'r ElectrodeArrayOrder, last: &LastStates) -> Result<Self, ReplayStop> {
-        let mut by_name: Vec<usize> = (0..order.parts.len()).collect();
-        by_name.sort_unstable_by_key(|part| &order.parts[*part].name);
+        let by_name = order.parts.iter().enumerate().map(|(part, own)| (own.name.as_str(), part)).collect();
         let (pulses, pads) = pulses(run, order)?;
         Ok(JudgedBoard {
             run,
@@ -260,7 +261,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             })?;
             moved = 0;
             for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
-                self.cells[*part] = Some(pull.to);
+                self.cells.put(*part, pull.to);
                 stage.arrive(*part, pull, beat + 1);
                 moved += 1;
             }
@@ -272,7 +273,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         self.goals(nth, &stage, findings);
         let homes = stage.homes.iter().map(|(part, home)| (*part, *home));
         self.returns(nth, homes, findings);
-        stage.gone().for_each(|part| self.cells[part] = None);
+        stage.gone().for_each(|part| self.cells.remove(part));
         if beats > 0 {
             self.idle(nth, moved, findings);
             self.record(step.end_ns())?;
@@ -308,10 +309,10 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         let mut assay = JudgedAssay::new(operations, &self.order.facts, &self.cells);
         let mut zones = JudgedZones::new(self.order, operations);
         let mut reservoirs = self.reservoirs(nth)?;
-        let before = self.cells.iter().flatten().count();
+        let before = self.cells.count();
         let mut there = self.settle(0, &mut assay, &mut zones);
         self.check_traces(nth, step.start_ns, operations, &assay, &there, findings);
-        if beats == 0 && self.cells.iter().flatten().count() < before {
+        if beats == 0 && self.cells.count() < before {
             self.record(step.start_ns)?;
         }
         for beat in 0..beats {
@@ -322,7 +323,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             switching.advance(beat);
             reservoirs.iter_mut().for_each(|reservoirs| reservoirs.advance(beat));
             for (part, outlet) in self.dispensed(nth, at_ns, &assay, &switching.on, reservoirs.as_ref()) {
-                self.cells[part] = Some(outlet);
+                self.cells.put(part, outlet);
                 assay.come(part, beat);
                 reservoirs.iter_mut().for_each(|reservoirs| reservoirs.begin(part, outlet, beat));
                 self.traces.iter_mut().for_each(|traces| traces.dispense(part, asked));
@@ -333,7 +334,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             }
             let splits = self.pulled_apart(&assay, &switching.on);
             for split in &splits {
-                self.cells[split.half] = Some(split.at);
+                self.cells.put(split.half, split.at);
                 self.traces.iter_mut().for_each(|traces| traces.split(split.part, split.half));
             }
             let released = self.released_at_outlet(nth, at_ns, beat, reservoirs.as_ref(), &switching.on)?;
@@ -341,7 +342,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             let pulls = self.beat(&StepBeat { nth, at_ns, goals, on, splits: &splits, released: &released })?;
             splits.iter().for_each(|split| assay.split(split, beat + 1));
             for (part, pull) in pulls.iter().filter(|(_, pull)| pull.moves()) {
-                self.cells[*part] = Some(pull.to);
+                self.cells.put(*part, pull.to);
                 if !splits.iter().any(|split| split.half == *part) {
                     assay.arrive(*part, pull.from, beat + 1);
                     self.moves += 1;
@@ -395,14 +396,14 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
         reservoirs: Option<&JudgedReservoirs>,
     ) -> Vec<(usize, ElectrodeCell)> {
         let range = pull::range(self.order.facts.layout.electrodes) as u32;
-        let acts = |outlet: ElectrodeCell| self.cells.iter().flatten().any(|cell| cell.apart(outlet) <= range);
+        let acts = |outlet: ElectrodeCell| self.cells.iter().any(|(_, cell)| cell.apart(outlet) <= range);
         let begins = |outlet: ElectrodeCell| {
             let by_pads = reservoirs.and_then(|reservoirs| reservoirs.begins_at(outlet));
             by_pads.unwrap_or_else(|| on.contains(&outlet))
         };
         let due = assay.due_from_outlets(&self.cells, |outlet| begins(outlet) && !acts(outlet));
         let next = self.run.plan.states.get(self.states.len()).map(|next| &next.state);
-        let is_in_state = |name: &str| matches!(next, Some(State::ElectrodeArray(ElectrodeArrayState { parts })) if parts.contains_key(name));
+        let is_in_state = |name: &str| matches!(next, Some(State::ElectrodeArray(ElectrodeArrayState { parts })) if parts.contains(name));
         let is_recorded = |name: &str| {
             let operations = &self.run.step(nth).operations;
             operations.iter().any(|own| own.start_ns == at_ns && own.parts == [name] && own.end_ns() > at_ns)
@@ -456,7 +457,7 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
                 self.leaves_stuck_parts(nth, cell, part.start_ns)?;
             }
         }
-        Ok(Switching::new(&pulses))
+        Ok(Switching::new(pulses))
     }
 
     /// An actuation as an interval in beats, or the violation if it is switched within a beat.
@@ -529,10 +530,8 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
     }
 
     fn state(&self) -> State {
-        let here = self.order.parts.iter().zip(&self.cells);
-        State::ElectrodeArray(ElectrodeArrayState {
-            parts: here.filter_map(|(p, cell)| Some((p.name.clone(), (*cell)?.pair()))).collect(),
-        })
+        let named = |(part, cell): (usize, ElectrodeCell)| (self.order.parts[part].name.as_str().into(), cell.pair());
+        State::ElectrodeArray(ElectrodeArrayState { parts: self.cells.iter().map(named).collect() })
     }
 
     /// Checks the state at an instant against the record's next one.
@@ -541,10 +540,10 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
             return Err(record::miscounted(self.run, self.due_states()).into());
         };
         if recorded.t_ns == t_ns && self.is_state(&recorded.state) {
-            self.states.push(Cow::Borrowed(recorded));
+            self.states.push(ReplayedState::Recorded(recorded));
             return Ok(());
         }
-        self.states.push(Cow::Owned(TimedState { t_ns, state: self.state() }));
+        self.states.push(ReplayedState::Own(Box::new(TimedState { t_ns, state: self.state() })));
         match record::difference(self.run, &self.states) {
             Some(violation) => Err(violation.into()),
             None => Ok(()),
@@ -553,11 +552,11 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
 
     fn is_state(&self, state: &State) -> bool {
         let State::ElectrodeArray(ElectrodeArrayState { parts }) = state else { return false };
-        let here = self.by_name.iter().filter_map(|part| {
-            let name = self.order.parts[*part].name.as_str();
-            self.cells[*part].map(|cell| (name, cell.pair()))
-        });
-        here.eq(parts.iter().map(|(name, cell)| (name.as_str(), *cell)))
+        let is_there = |(name, cell): (&str, [u32; 2])| {
+            let part = self.by_name.get(name);
+            part.and_then(|part| self.cells[*part]).is_some_and(|here| here.pair() == cell)
+        };
+        parts.len() == self.cells.count() && parts.iter().all(is_there)
     }
 
     /// Number of states that a record of this run must have: one at the start, one after each beat of its steps, and
@@ -586,12 +585,13 @@ impl<'r, 'a> JudgedBoard<'r, 'a> {
 }
 
 /// Cell of each part at the start of a run: where the device's last run left it, or where the scene has it.
-fn start(run: &JudgedRun, order: &ElectrodeArrayOrder, last_states: &LastStates) -> Vec<Option<ElectrodeCell>> {
+fn start(run: &JudgedRun, order: &ElectrodeArrayOrder, last_states: &LastStates) -> PartsOnBoard {
     let stands = match last_states.get(run.job.device.as_str()) {
         Some(State::ElectrodeArray(ElectrodeArrayState { parts })) => Some(parts),
         Some(State::Dimibot(_) | State::Microrobots(_) | State::Fingers(_)) | None => None,
     };
     let cell = |[column, row]: [u32; 2]| ElectrodeCell::new(column, row);
-    let place = |parts: &BTreeMap<String, [u32; 2]>, name: &String| parts.get(name).copied().map(cell);
-    order.parts.iter().map(|part| stands.map_or(part.cell, |stands| place(stands, &part.name))).collect()
+    let place = |parts: &PartCells, name: &str| parts.get(name).map(cell);
+    let cells = order.parts.iter().map(|part| stands.map_or(part.cell, |stands| place(stands, &part.name)));
+    PartsOnBoard::new(cells.collect())
 }

@@ -40,7 +40,7 @@ pub(super) struct JudgedReservoirs<'o> {
 
 impl<'o> JudgedReservoirs<'o> {
     /// The reservoirs before the first beat.
-    pub fn new(pads: &'o ReservoirPads, pulses: &[SwitchPulse<u32>], beat_ns: u64) -> JudgedReservoirs<'o> {
+    pub fn new(pads: &'o ReservoirPads, pulses: Vec<SwitchPulse<u32>>, beat_ns: u64) -> JudgedReservoirs<'o> {
         JudgedReservoirs { pads, switching: Switching::new(pulses), beat_ns, dispensing: Vec::new() }
     }
 
@@ -107,7 +107,7 @@ impl<'r> JudgedBoard<'r, '_> {
         let beat_ns = self.order.facts.step_ns;
         let pulse = |(pad, part): &(u32, &Actuation)| self.in_beats(nth, *pad, part, beat_ns, || format!("pad {pad}"));
         let pulses: Result<Vec<SwitchPulse<u32>>, Violation> = self.pads[nth].iter().map(pulse).collect();
-        Ok(Some(JudgedReservoirs::new(pads, &pulses?, beat_ns)))
+        Ok(Some(JudgedReservoirs::new(pads, pulses?, beat_ns)))
     }
 
     /// Outside of assays no pad is on.

@@ -1,5 +1,6 @@
 //! Goals of the parts in one step of a task, and their progress.
 
+use super::parts::PartsOnBoard;
 use super::pull::PartPull;
 use crate::claims::electrode_array::{ElectrodeArrayMove, ElectrodeArrayStop};
 use crate::device::electrode_array::ElectrodeCell;
@@ -47,7 +48,7 @@ pub(super) struct StepProgress<'o> {
 
 impl<'o> StepProgress<'o> {
     /// The step before its first beat.
-    pub fn new(moves: &'o [ElectrodeArrayMove], cells: &[Option<ElectrodeCell>]) -> StepProgress<'o> {
+    pub fn new(moves: &'o [ElectrodeArrayMove], cells: &PartsOnBoard) -> StepProgress<'o> {
         let mut stage = StepProgress { moves, turns: vec![0; moves.len()], ..StepProgress::default() };
         for (index, action) in moves.iter().enumerate() {
             let both = std::iter::once(action.part).chain(action.with);
@@ -88,7 +89,7 @@ impl<'o> StepProgress<'o> {
     }
 
     /// Parts that missed a stop: each with its first missed stop, and whether that is its goal.
-    pub fn missed(&self, cells: &[Option<ElectrodeCell>]) -> Vec<(usize, &'o ElectrodeArrayStop, bool)> {
+    pub fn missed(&self, cells: &PartsOnBoard) -> Vec<(usize, &'o ElectrodeArrayStop, bool)> {
         let of_move = |(index, action): (usize, &'o ElectrodeArrayMove)| {
             let (left, goal) = (&action.stops[self.turns[index]..], action.goal());
             let first = match left {
@@ -102,7 +103,7 @@ impl<'o> StepProgress<'o> {
     }
 
     /// The goals of teams at which no part of the team is, each with a part of the team.
-    pub fn empty(&self, cells: &[Option<ElectrodeCell>]) -> Vec<(usize, &'o ElectrodeArrayStop)> {
+    pub fn empty(&self, cells: &PartsOnBoard) -> Vec<(usize, &'o ElectrodeArrayStop)> {
         let of_teams = self.moves.iter().filter_map(|action| Some((action.team?, action)));
         let is_taken = |(team, action): &(usize, &ElectrodeArrayMove)| {
             let others = self.moves.iter().filter(|other| other.team == Some(*team));

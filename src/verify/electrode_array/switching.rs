@@ -9,6 +9,8 @@ use crate::schedule::Actuation;
 use crate::verify::clock::JudgedRun;
 use crate::verify::rule::{Rule, Violation};
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::hash::Hash;
 
 /// An electrode or a pad that is on from beat `from` until the start of beat `to`.
@@ -19,38 +21,38 @@ pub(super) struct SwitchPulse<E> {
     pub to: u64,
 }
 
-/// A change at the beginning of a beat; off is ordered before on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Change {
-    Off,
-    On,
-}
-
 /// The electrodes or pads that are on, beat by beat during a step of the task.
 #[derive(Debug)]
 pub(super) struct Switching<E> {
-    /// By step of the board, from the last to the first.
-    changes: Vec<(u64, Change, E)>,
+    /// Those that are still to come, from the last to the first.
+    coming: Vec<SwitchPulse<E>>,
+    /// Ends of those that have begun.
+    ends: BinaryHeap<Reverse<(u64, E)>>,
     pub on: FxHashSet<E>,
 }
 
 impl<E: Copy + Ord + Hash> Switching<E> {
     /// The state before the first beat.
-    pub fn new(pulses: &[SwitchPulse<E>]) -> Switching<E> {
-        let both =
-            |pulse: &SwitchPulse<E>| [(pulse.from, Change::On, pulse.switch), (pulse.to, Change::Off, pulse.switch)];
-        let mut changes: Vec<_> = pulses.iter().flat_map(both).collect();
-        changes.sort_unstable_by(|one, other| other.cmp(one));
-        Switching { changes, on: FxHashSet::default() }
+    pub fn new(mut coming: Vec<SwitchPulse<E>>) -> Switching<E> {
+        coming.sort_by_key(|pulse| Reverse(pulse.from));
+        Switching { coming, ends: BinaryHeap::new(), on: FxHashSet::default() }
     }
 
     /// Advances to a beat, which must not be earlier than the present one.
     pub fn advance(&mut self, beat: u64) {
-        while let Some((_, change, switch)) = self.changes.pop_if(|(at, ..)| *at <= beat) {
-            match change {
-                Change::On => self.on.insert(switch),
-                Change::Off => self.on.remove(&switch),
-            };
+        loop {
+            let (next_end, next) = (self.ends.peek().map(|Reverse((at, _))| *at), self.coming.last());
+            // At the beginning of a beat, off comes before on.
+            if next_end.is_some_and(|at| at <= beat && next.is_none_or(|next| at <= next.from)) {
+                if let Some(Reverse((_, switch))) = self.ends.pop() {
+                    self.on.remove(&switch);
+                }
+            } else if let Some(pulse) = self.coming.pop_if(|pulse| pulse.from <= beat) {
+                self.on.insert(pulse.switch);
+                self.ends.push(Reverse((pulse.to, pulse.switch)));
+            } else {
+                break;
+            }
         }
     }
 }

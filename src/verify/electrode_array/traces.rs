@@ -87,8 +87,7 @@ impl<'c> JudgedTraces<'c> {
 impl JudgedBoard<'_, '_> {
     /// The parts on the board with their cells; empty if traces do not matter.
     pub(super) fn parts_on_board(&self) -> Vec<(usize, ElectrodeCell)> {
-        let there = || self.cells.iter().enumerate().filter_map(|(part, cell)| Some((part, (*cell)?)));
-        self.traces.iter().flat_map(|_| there()).collect()
+        self.traces.iter().flat_map(|_| self.cells.iter()).collect()
     }
 
     /// Checks the parts on their cells at an instant for contamination, with the merges done by then.

@@ -1,6 +1,7 @@
 //! Stays in zones: a part that is heated, read or held is in its zone for the whole time, and alone while it is read.
 
 use super::assay::JudgedAssay;
+use super::parts::PartsOnBoard;
 use super::{Findings, JudgedBoard, Rule, ms};
 use crate::claims::electrode_array::{AssayOperation, BoardZone, ElectrodeArrayOrder, ZoneSort};
 use crate::device::electrode_array::ElectrodeCell;
@@ -34,20 +35,18 @@ impl<'c> JudgedZones<'c> {
 
     /// Notes the positions of the parts after `beat` beats, before the assay is updated: a part that leaves the board
     /// at that instant still counts.
-    pub fn look(&mut self, beat: u64, cells: &[Option<ElectrodeCell>]) {
+    pub fn look(&mut self, beat: u64, cells: &PartsOnBoard) {
         for (zone, within) in &mut self.within {
             let Some(zone_body) = self.zones.get(*zone) else { continue };
-            for (part, cell) in cells.iter().enumerate() {
-                match cell.filter(|cell| covers(zone_body, *cell)) {
-                    Some(_) => drop(within.entry(part).or_insert(beat)),
-                    None => drop(within.remove(&part)),
-                }
+            within.retain(|part, _| cells[*part].is_some_and(|cell| covers(zone_body, cell)));
+            for (part, _) in cells.iter().filter(|(_, cell)| covers(zone_body, *cell)) {
+                within.entry(part).or_insert(beat);
             }
         }
     }
 
     /// Notes the zones with several parts after `beat` beats; two parts that have just merged count as one.
-    pub fn count(&mut self, beat: u64, settled: &[Option<ElectrodeCell>]) {
+    pub fn count(&mut self, beat: u64, settled: &PartsOnBoard) {
         for (zone, within) in &self.within {
             let is_there = |part: &&usize| settled[**part].is_some() || !self.merging.contains(*part);
             if within.keys().filter(is_there).count() > 1 {

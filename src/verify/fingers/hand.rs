@@ -7,7 +7,7 @@
 use super::super::clock::JudgedRun;
 use super::super::evidence::{Clearance, GapUnit};
 use super::super::rule::{Findings, Rule, Violation, ms};
-use super::super::{InvalidClaims, ReplayStop};
+use super::super::{InvalidClaims, ReplayStop, ReplayedState};
 use super::body::{ObjectPose, PartOutlines, Surface};
 use super::clearance::{self, Flight, TipHit};
 use super::grip::JudgedGrip;
@@ -19,9 +19,8 @@ use super::{Point, orientation_of};
 use crate::claims::fingers::{FingersAction, FingersOrder, FingersTurn};
 use crate::device::fingers::{FingersFacts, FingersOutcome, MAX_HOLDING, Plane};
 use crate::quantity::digits;
+use crate::schedule::State;
 use crate::schedule::fingers::FingersState;
-use crate::schedule::{State, TimedState};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -537,7 +536,7 @@ impl<'r, 'a> JudgedHand<'r, 'a> {
     }
 
     /// The states that the record should have.
-    pub fn into_states(self) -> Vec<Cow<'a, TimedState>> {
+    pub fn into_states(self) -> Vec<ReplayedState<'a>> {
         self.spans.states(self.run)
     }
 }

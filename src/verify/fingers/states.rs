@@ -5,10 +5,9 @@
 //! the contacts that two sections share), either is accepted.
 
 use super::super::clock::JudgedRun;
-use super::super::judged_state;
 use super::super::record::agrees;
+use super::super::{ReplayedState, judged_state};
 use crate::schedule::{State, TimedState};
-use std::borrow::Cow;
 
 /// Whether a state must be recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +55,7 @@ impl Spans {
     }
 
     /// The states that the record should have; recorded ones are borrowed where they agree.
-    pub fn states<'a>(self, run: &JudgedRun<'a>) -> Vec<Cow<'a, TimedState>> {
+    pub fn states<'a>(self, run: &JudgedRun<'a>) -> Vec<ReplayedState<'a>> {
         let mut recorded = run.plan.states.iter().peekable();
         let mut states = Vec::with_capacity(self.list.len());
         for span in self.list {
@@ -68,8 +67,8 @@ impl Spans {
             let t_ns = found.map_or(span.from_ns, |timed| timed.t_ns);
             let due = TimedState { t_ns, state: chosen(span.views, found.map(|timed| &timed.state)) };
             states.push(match found {
-                Some(timed) if agrees(timed, &due) => Cow::Borrowed(timed),
-                Some(_) | None => Cow::Owned(due),
+                Some(timed) if agrees(timed, &due) => ReplayedState::Recorded(timed),
+                Some(_) | None => ReplayedState::Own(Box::new(due)),
             });
         }
         states

@@ -20,7 +20,7 @@ mod voltage;
 use super::clock::JudgedRun;
 use super::record;
 use super::rule::{Findings, Rule, Violation, ms};
-use super::{InvalidClaims, Judge, JudgedState, LastStates, RecordTerms, Replay, ReplayStop};
+use super::{InvalidClaims, Judge, JudgedState, LastStates, RecordTerms, Replay, ReplayStop, ReplayedState};
 use crate::claims::microrobots::{Dock, MicrorobotsAction, MicrorobotsOrder, MicrorobotsStop};
 use crate::claims::{Claims, Order};
 use crate::device::microrobots::{
@@ -32,7 +32,6 @@ use crate::real::Real;
 use crate::schedule::microrobots::{MicrorobotsState, RecordedPose};
 use crate::schedule::{ChannelUnit, State, TimedState};
 use motion::{RobotPlace, TrainMotion, turn_between};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use sweep::ROUNDING_UM;
 use voltage::VoltageLeg;
@@ -195,7 +194,7 @@ struct JudgedBed<'r, 'a> {
     trains: Vec<JudgedTrain>,
     waits: usize,
     strokes: u64,
-    states: Vec<Cow<'a, TimedState>>,
+    states: Vec<ReplayedState<'a>>,
     /// Number of states that the record must have.
     due_states: u64,
 }
@@ -407,12 +406,14 @@ impl<'r, 'a> JudgedBed<'r, 'a> {
         let replayed = TimedState { t_ns, state: self.state(control) };
         match self.run.plan.states.get(self.states.len()) {
             None => return Err(record::miscounted(self.run, self.due_states).into()),
-            Some(recorded) if record::agrees(recorded, &replayed) => self.states.push(Cow::Borrowed(recorded)),
-            Some(_) => self.states.push(Cow::Owned(replayed)),
+            Some(recorded) if record::agrees(recorded, &replayed) => {
+                self.states.push(ReplayedState::Recorded(recorded))
+            }
+            Some(_) => self.states.push(ReplayedState::Own(Box::new(replayed))),
         }
         match self.states.last() {
-            Some(Cow::Owned(_)) => record::difference(self.run, &self.states).map_or(Ok(()), |v| Err(v.into())),
-            Some(Cow::Borrowed(_)) | None => Ok(()),
+            Some(ReplayedState::Own(_)) => record::difference(self.run, &self.states).map_or(Ok(()), |v| Err(v.into())),
+            Some(ReplayedState::Recorded(_)) | None => Ok(()),
         }
     }
 

@@ -12,14 +12,21 @@ use crate::quantity::{Dimension, Quantity, digits, fraction};
 use crate::source::Span;
 use std::collections::BTreeSet;
 
-/// The stays of an assay take more steps than a plan may have.
-pub fn stays_too_long(span: Span, [steps, most_steps]: [u64; 2], step_ns: u64) -> Diagnostic {
+/// The stays of an assay, or those of one of its parts, take more steps than can be planned.
+pub fn stays_too_long(span: Span, part: Option<&str>, [steps, most_steps]: [u64; 2], step_ns: u64) -> Diagnostic {
     let most = Quantity::new(most_steps as f64 * step_ns as f64 / 1e9, Dimension::TIME);
     let one = Quantity::time_ns(step_ns);
-    let title =
-        format!("the operations up to here stay for {steps} steps of the board; at most {most_steps} can be planned");
+    let title = match part {
+        Some(part) => {
+            format!("`{part}` stays for {steps} steps of the board up to here; at most {most_steps} can be planned")
+        }
+        None => format!(
+            "the operations up to here stay for {steps} steps of the board; at most {most_steps} can be planned"
+        ),
+    };
+    let whose = if part.is_some() { "of a part in one assay" } else { "of one assay" };
     Diagnostic::new(Code::E0554, title).label(span, format!("steps of {one}")).help(format!(
-        "split the `assay`, with `wait` where all droplets rest: the stays of one may take {most} in total"
+        "split the `assay`, with `wait` where all droplets rest: the stays {whose} may take {most} in total"
     ))
 }
 

@@ -194,9 +194,9 @@ fn ways(order: &ElectrodeArrayOrder, plan: &PlanRecord) -> Vec<(usize, Vec<Elect
     let mut ways: BTreeMap<&str, Vec<ElectrodeCell>> = BTreeMap::new();
     for timed in &plan.states {
         let State::ElectrodeArray(ElectrodeArrayState { parts }) = &timed.state else { continue };
-        for (name, [column, row]) in parts {
+        for (name, [column, row]) in parts.iter() {
             let way = ways.entry(name).or_default();
-            let cell = ElectrodeCell::new(*column, *row);
+            let cell = ElectrodeCell::new(column, row);
             if way.last() != Some(&cell) {
                 way.push(cell);
             }

@@ -9,6 +9,7 @@
 use super::route::StopDistances;
 use super::{AssayProblem, Errand, ErrandPlace};
 use crate::plan::electrode_array::board::{BoardCosts, BoardGrid, CellIndex};
+use rustc_hash::FxHashSet;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// An errand with its earliest start, and the least time from its end to the end of the assay.
@@ -288,28 +289,45 @@ impl TurnPlace {
 /// agent that leaves the board at the stop need not make room.
 fn in_turns(problem: &AssayProblem, place: TurnPlace, stays: &[(usize, TimedErrand)], droplet_of: &[usize]) -> u64 {
     let change = change(problem, place.stop);
-    let set_from = |least: u64| {
-        let of: Vec<(usize, TimedErrand)> = stays.iter().filter(|(_, one)| one.head >= least).copied().collect();
-        one_after_another(&of, |nth| of[nth].1.head, droplet_of, change)
-    };
-    stays.iter().map(|(_, one)| set_from(one.head)).max().unwrap_or(0)
+    let mut stays: Vec<&(usize, TimedErrand)> = stays.iter().collect();
+    stays.sort_by_key(|(_, one)| std::cmp::Reverse(one.head));
+    let (mut least, mut set) = (0, StaysInTurn::default());
+    // Each set contains the one before.
+    for same_head in stays.chunk_by(|(_, one), (_, next)| one.head == next.head) {
+        same_head.iter().for_each(|(agent, one)| set.add(one.head, one, droplet_of[*agent]));
+        least = least.max(set.steps(change));
+    }
+    least
 }
 
-/// Least steps until everything is done, for agents that stay at one stop in turn, each from its own earliest start on.
-fn one_after_another(
-    of: &[(usize, TimedErrand)],
-    head: impl Fn(usize) -> u64,
-    droplet_of: &[usize],
-    change: u64,
-) -> u64 {
-    let all: u64 = of.iter().map(|(_, one)| u64::from(one.errand.stay)).sum();
-    let apart: BTreeSet<usize> = of.iter().map(|(agent, _)| droplet_of[*agent]).collect();
-    let with_last = |first: usize| {
-        let others = of.iter().enumerate().filter(|(nth, _)| *nth != first || of.len() == 1);
-        head(first) + others.map(|(_, (_, one))| one.tail).min().unwrap_or(0)
-    };
-    let around = (0..of.len()).map(with_last).min().unwrap_or(0);
-    around + all + change * (apart.len() as u64).saturating_sub(1)
+/// The stays of agents at one stop in turn, each from its own earliest start on.
+#[derive(Default)]
+struct StaysInTurn {
+    /// Sum of their durations.
+    all: u64,
+    droplets: FxHashSet<usize>,
+    /// The least earliest start, the least tail, and the least sum of the start of one stay and the tail of another.
+    head: Option<u64>,
+    tail: Option<u64>,
+    around: Option<u64>,
+}
+
+impl StaysInTurn {
+    fn add(&mut self, head: u64, one: &TimedErrand, droplet: usize) {
+        self.all += u64::from(one.errand.stay);
+        self.droplets.insert(droplet);
+        let around = self.tail.map(|tail| head + tail).into_iter().chain(self.head.map(|first| first + one.tail));
+        self.around = self.around.into_iter().chain(around).min();
+        self.head = self.head.into_iter().chain([head]).min();
+        self.tail = self.tail.into_iter().chain([one.tail]).min();
+    }
+
+    /// Least steps until everything is done.
+    fn steps(&self, change: u64) -> u64 {
+        // A single stay is first and last.
+        let around = self.around.or(self.head.zip(self.tail).map(|(head, tail)| head + tail)).unwrap_or(0);
+        around + self.all + change * (self.droplets.len() as u64).saturating_sub(1)
+    }
 }
 
 /// Changeover: least steps between the stays of two agents at a stop.
@@ -367,8 +385,11 @@ fn firsts(
     for (place, stays) in stays {
         // Entering is no stay that an agent must first travel to.
         if stays.iter().all(|(agent, _)| problem.enters[*agent] && start(*agent) != place.stop) {
-            let head = |nth: usize| alone(problem, ahead, stays[nth].0, place.stop);
-            let steps = one_after_another(stays, head, droplet_of, change(problem, place.stop));
+            let mut set = StaysInTurn::default();
+            for (agent, one) in stays {
+                set.add(alone(problem, ahead, *agent, place.stop), one, droplet_of[*agent]);
+            }
+            let steps = set.steps(change(problem, place.stop));
             let agents: BTreeSet<usize> = stays.iter().map(|(agent, _)| *agent).collect();
             stops.push(ServedStop { steps, from: agents.iter().map(|agent| start(*agent)).collect(), agents });
         }
@@ -409,6 +430,30 @@ fn alone(problem: &AssayProblem, ahead: &StopDistances, agent: usize, stop: Cell
             break;
         }
         steps += u64::from(errand.stay);
+        from = errand.stop;
+    }
+    steps
+}
+
+/// Least steps of each agent alone, and at least one more than those of its children.
+pub(super) fn lengths(problem: &AssayProblem, ahead: &StopDistances) -> Vec<u64> {
+    let agents = 0..problem.errands.len();
+    let mut lengths: Vec<u64> = agents.clone().map(|agent| length(problem, ahead, agent)).collect();
+    // A parent comes earlier in the list than its children.
+    for agent in agents.rev() {
+        if let Some(parent) = problem.parents[agent] {
+            lengths[parent] = lengths[parent].max(lengths[agent] + 1);
+        }
+    }
+    lengths
+}
+
+/// Least steps of an agent alone.
+fn length(problem: &AssayProblem, ahead: &StopDistances, agent: usize) -> u64 {
+    let mut from = problem.instance.agents[agent].start;
+    let mut steps = 0;
+    for (index, errand) in problem.errands[agent].iter().enumerate() {
+        steps += u64::from(ahead.steps(agent, index, from)) + u64::from(errand.stay);
         from = errand.stop;
     }
     steps

@@ -11,7 +11,9 @@ use super::bookings::{BookedCourse, Bookings, NEVER};
 use super::bound::AssayBounds;
 use super::replay::done_at;
 use super::route::{Course, RouteQuery, Router, StopDistances};
+use super::turn_queue::{TurnLinks, TurnOrder, TurnQueue};
 use super::{AgentCourse, AssayPlan, AssayProblem, Errand, ErrandPlace, bound};
+use crate::device::electrode_array::{MAX_ASSAY_STEPS, MAX_DROPLET_STEPS};
 use crate::plan::electrode_array::board::{BoardCosts, BoardObjective, BoardPlanProgress, CellIndex};
 use crate::plan::search::Meter;
 use crate::random::SplitMix64;
@@ -59,7 +61,7 @@ pub(super) fn best(
 ) -> Option<Vec<AgentCourse>> {
     let mut planner = ListPlanner::new(problem, ahead, bounds, meter);
     let mut list: Vec<usize> = (0..problem.errands.len()).collect();
-    let lengths = lengths(problem, ahead);
+    let lengths = bound::lengths(problem, ahead);
     list.sort_by_key(|agent| std::cmp::Reverse(lengths[*agent]));
     let mut random = SplitMix64::new(SEED);
     let is_crowd = list.len() > MAX_EAGER;
@@ -250,30 +252,6 @@ impl Improvement {
     }
 }
 
-/// Least steps of each agent alone, and at least one more than those of its children.
-fn lengths(problem: &AssayProblem, ahead: &StopDistances) -> Vec<u64> {
-    let agents = 0..problem.errands.len();
-    let mut lengths: Vec<u64> = agents.clone().map(|agent| length(problem, ahead, agent)).collect();
-    // A parent comes earlier in the list than its children.
-    for agent in agents.rev() {
-        if let Some(parent) = problem.parents[agent] {
-            lengths[parent] = lengths[parent].max(lengths[agent] + 1);
-        }
-    }
-    lengths
-}
-
-/// Least steps of an agent alone.
-fn length(problem: &AssayProblem, ahead: &StopDistances, agent: usize) -> u64 {
-    let mut from = problem.instance.agents[agent].start;
-    let mut steps = 0;
-    for (index, errand) in problem.errands[agent].iter().enumerate() {
-        steps += u64::from(ahead.steps(agent, index, from)) + u64::from(errand.stay);
-        from = errand.stop;
-    }
-    steps
-}
-
 /// The list with one random agent moved to a random place.
 fn moved(list: &[usize], random: &mut SplitMix64) -> Vec<usize> {
     moved_to(list, below(random, list.len()), below(random, list.len()))
@@ -312,15 +290,6 @@ pub(super) fn below(random: &mut SplitMix64, count: usize) -> usize {
     (random.next_u64() % count.max(1) as u64) as usize
 }
 
-/// The order in which agents take their turns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum TurnOrder {
-    /// By the list.
-    Eager,
-    /// By time.
-    Patient,
-}
-
 /// Terms on which a list is scheduled.
 #[derive(Debug, Clone, Copy)]
 struct ListTerms {
@@ -344,6 +313,7 @@ pub(super) struct ListPlanner<'a, 'm> {
     pub ahead: &'a StopDistances,
     router: Router<'a>,
     pub bounds: &'a AssayBounds,
+    pub links: TurnLinks,
     /// The errands, as (agent, errand), that others wait for.
     awaited: FxHashSet<(usize, usize)>,
     /// Latest end of all courses.
@@ -363,6 +333,8 @@ pub(super) struct Progress<'a> {
     past: Vec<Vec<usize>>,
     /// Agents that have split off and have no course yet, each with the instant at which it appears.
     split_off: VecDeque<(usize, u32)>,
+    /// Number of instants of all courses.
+    instants: u64,
 }
 
 impl Progress<'_> {
@@ -433,8 +405,8 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         bounds: &'a AssayBounds,
         meter: &'m mut Meter,
     ) -> ListPlanner<'a, 'm> {
-        let (router, awaited) = (Router::new(problem, ahead), problem.awaited());
-        ListPlanner { problem, ahead, router, bounds, awaited, limit: NEVER, meter }
+        let (router, links, awaited) = (Router::new(problem, ahead), TurnLinks::new(problem), problem.awaited());
+        ListPlanner { problem, ahead, router, bounds, links, awaited, limit: NEVER, meter }
     }
 
     /// Whether some agent has more than one split.
@@ -454,6 +426,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             done_at: vec![Vec::new(); count],
             past: vec![Vec::new(); count],
             split_off: VecDeque::new(),
+            instants: 0,
         };
         let until = separation.saturating_mul(terms.kept_separations);
         for (agent, asked) in problem.instance.agents.iter().enumerate() {
@@ -461,11 +434,25 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
                 progress.bookings.keep(agent, asked.start, 0, 0, until);
             }
         }
+        let mut queue = TurnQueue::new(list);
+        list.iter().for_each(|agent| queue.note(*agent, self.turn_of(&progress, *agent, terms.turns)));
         loop {
+            #[cfg(test)]
+            assert_eq!(queue.next(), self.next_of_all(&progress, list, terms.turns));
             // Agents that have split off come first, since they are on the board already.
             let split_off = progress.split_off.pop_front().map(|(agent, _)| agent);
-            let Some(agent) = split_off.or_else(|| self.next(&progress, list, terms.turns)) else { break };
-            self.extend_course(&mut progress, agent, terms)?;
+            let Some(agent) = split_off.or_else(|| queue.next_due()) else { break };
+            if self.extend_course(&mut progress, agent, terms)? {
+                queue.went_on(agent);
+                for other in self.links.affected(agent) {
+                    queue.note(other, self.turn_of(&progress, other, terms.turns));
+                }
+            } else if terms.turns == TurnOrder::Patient && !problem.enters[agent] {
+                // Another agent blocks it that goes away later.
+                queue.postpone(agent)?;
+            } else {
+                return Err(agent);
+            }
             progress.keep_split_off(problem, until);
         }
         if let Some(agent) = (0..count).find(|agent| progress.done[*agent] < problem.errands[*agent].len()) {
@@ -503,9 +490,9 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         due
     }
 
-    /// Extends the course of an agent to its end, or to where it waits for another one; the error is the agent if it
-    /// finds none.
-    fn extend_course(&mut self, progress: &mut Progress, agent: usize, terms: ListTerms) -> Result<(), usize> {
+    /// Extends the course of an agent to its end, or to where it waits for another one; returns whether one is found.
+    /// The error is the agent if it does not do its errands, or the courses take more steps than a plan may have.
+    fn extend_course(&mut self, progress: &mut Progress, agent: usize, terms: ListTerms) -> Result<bool, usize> {
         let problem = self.problem;
         let first = progress.done[agent];
         let errands = &problem.errands[agent][first..];
@@ -542,7 +529,16 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
             TurnOrder::Eager => self.course(&query, &progress.bookings),
             TurnOrder::Patient => self.late_course(query, &progress.bookings),
         };
-        let course = course.ok_or(agent)?;
+        let Some(course) = course else {
+            if !progress.courses[agent].own.cells.is_empty() {
+                progress.bookings.enter(agent, &progress.courses[agent], &progress.done_at[agent]);
+            }
+            return Ok(false);
+        };
+        progress.instants += course.cells.len() as u64;
+        if u64::from(course.end()) > MAX_ASSAY_STEPS || progress.instants > MAX_DROPLET_STEPS {
+            return Err(agent);
+        }
         let own = &mut progress.courses[agent];
         match own.own.cells.pop() {
             None => own.own = AgentCourse { since: course.since, cells: course.cells },
@@ -567,7 +563,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
                 self.met(progress, other, agent, errand.stop);
             }
         }
-        Ok(())
+        Ok(true)
     }
 
     /// The course of a query, within a budget of its own.

@@ -30,6 +30,7 @@ mod negotiated;
 mod replay;
 mod route;
 mod traces;
+mod turn_queue;
 mod turns;
 
 use super::board::{BoardCosts, BoardObjective, BoardPlanProgress, CellIndex, Instance, NoBoardPlan};

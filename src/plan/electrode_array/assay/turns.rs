@@ -3,11 +3,13 @@
 //! Eager turns follow the list: an agent that can continue does so as far as it can. With many agents, some then enter,
 //! or go to a meeting, long before they are needed, and block all others. Patient turns follow time: the agent that can
 //! continue first is next; an agent enters when another one waits for it; and an agent that has to wait stays where it
-//! is until shortly before its time.
+//! is until shortly before its time. One that finds no course then stands back while others go on, since one of them may be
+//! in its way.
 
 use super::bookings::{Bookings, NEVER};
-use super::lists::{ListPlanner, Progress, TurnOrder};
+use super::lists::{ListPlanner, Progress};
 use super::route::{Course, RouteQuery};
+use super::turn_queue::{AgentTurn, TurnOrder};
 
 /// Steps, beyond the travel time, by which a waiting agent sets off or enters before its time. The second value is
 /// tried if it is late with the first.
@@ -20,15 +22,28 @@ const PUNCTUAL: u32 = 12;
 const SHORT_WAIT: u32 = 200;
 
 impl ListPlanner<'_, '_> {
-    /// The agent that continues next: among those that can, preferably one whose turn it is at its next meeting.
-    pub(super) fn next(&self, progress: &Progress, list: &[usize], turns: TurnOrder) -> Option<usize> {
-        let can_go_on = || list.iter().copied().filter(|agent| self.can_go_on(progress, *agent));
-        let mut in_turn = can_go_on().filter(|agent| self.is_in_turn(progress, *agent));
-        let next = match turns {
+    /// As [`super::turn_queue::TurnQueue::next`], from the whole list.
+    #[cfg(test)]
+    pub(super) fn next_of_all(&self, progress: &Progress, list: &[usize], order: TurnOrder) -> Option<usize> {
+        let able = || list.iter().copied().filter(|agent| self.can_go_on(progress, *agent));
+        let mut in_turn = able().filter(|agent| self.is_in_turn(progress, *agent));
+        let next = match order {
             TurnOrder::Eager => in_turn.next(),
             TurnOrder::Patient => in_turn.min_by_key(|agent| self.goes_on_at(progress, *agent)),
         };
-        next.or_else(|| can_go_on().next())
+        next.or_else(|| able().next())
+    }
+
+    /// Whether an agent can continue, in an order of turns.
+    pub(super) fn turn_of(&self, progress: &Progress, agent: usize, order: TurnOrder) -> AgentTurn {
+        if !self.can_go_on(progress, agent) {
+            return AgentTurn::No;
+        }
+        match (self.is_in_turn(progress, agent), order) {
+            (false, _) => AgentTurn::Able,
+            (true, TurnOrder::Eager) => AgentTurn::Its((false, 0)),
+            (true, TurnOrder::Patient) => AgentTurn::Its(self.goes_on_at(progress, agent)),
+        }
     }
 
     /// Whether an agent has errands left and waits for none.

@@ -262,7 +262,7 @@ impl Writer {
 
     fn state(&self, order: &ElectrodeArrayOrder) -> TimedState {
         let here = order.parts.iter().zip(&self.cells);
-        let parts = here.filter_map(|(part, cell)| Some((part.name.clone(), (*cell)?.pair()))).collect();
+        let parts = here.filter_map(|(part, cell)| Some((part.name.as_str().into(), (*cell)?.pair()))).collect();
         TimedState { t_ns: self.at_ns, state: State::ElectrodeArray(ElectrodeArrayState { parts }) }
     }
 

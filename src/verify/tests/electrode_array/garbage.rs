@@ -78,7 +78,7 @@ fn spoiled(schedule: &mut Schedule, what: u8, at: usize, value: u64, small: u32)
         _ => write(plans, 0, |plan| {
             write(&mut plan.states, at, |state| {
                 let State::ElectrodeArray(ElectrodeArrayState { parts }) = &mut state.state else { return };
-                parts.insert("a".into(), [small, at as u32]);
+                parts.set("a", Some([small, at as u32]));
             });
         }),
     }

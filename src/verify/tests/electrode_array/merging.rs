@@ -83,7 +83,7 @@ fn what_has_merged_is_gone() {
     let State::ElectrodeArray(ElectrodeArrayState { parts }) = &mut two.plans[0].states[2].state else {
         panic!("a board's state")
     };
-    parts.insert("b".into(), [5, 5]);
+    parts.set("b", Some([5, 5]));
     only(Rule::State, &two, &claims);
     let mut gone = steps(go(1, &[(5, 7)]));
     order_of(&mut gone, 0).bystanders = Bystanders::Yield;

@@ -6,7 +6,7 @@ use crate::claims::electrode_array::{
 };
 use crate::device::electrode_array::{ElectrodeArrayFacts, ElectrodeCell, ElectrodeMap, Hold, Separation};
 use crate::schedule::electrode_array::ElectrodeArrayState;
-use crate::schedule::{Schedule, State, Swing};
+use crate::schedule::{PartCells, Schedule, State, Swing};
 use crate::verify::{Rule, Verdict, verify};
 use build::*;
 use std::sync::Arc;
@@ -78,19 +78,17 @@ const BROKEN: &[(&str, Rule, Edit)] = &[
         switch_on(s, 17, 14, 0, 0, 1);
         switch_on(s, 17, 16, 0, 0, 1);
     }),
-    ("another start", Rule::Start, |s| parts(s, 0).extend([("a".to_owned(), [5, 6])])),
-    ("a start without a part", Rule::Start, |s| {
-        parts(s, 0).remove("c");
-    }),
-    ("another state", Rule::State, |s| parts(s, 2).extend([("b".to_owned(), [5, 12])])),
-    ("a part too many", Rule::State, |s| parts(s, 3).extend([("d".to_owned(), [1, 1])])),
+    ("another start", Rule::Start, |s| parts(s, 0).set("a", Some([5, 6]))),
+    ("a start without a part", Rule::Start, |s| parts(s, 0).set("c", None)),
+    ("another state", Rule::State, |s| parts(s, 2).set("b", Some([5, 12]))),
+    ("a part too many", Rule::State, |s| parts(s, 3).set("d", Some([1, 1]))),
     ("another cost", Rule::Figure, |s| (s.plans[0].cost, s.plans[0].bound) = (6.0, 6.0)),
     ("an unknown outcome", Rule::Figure, |s| s.plans[0].outcomes.extend([("energy_j".to_owned(), 1.0)])),
     ("a channel that the board does not have", Rule::Channel, |s| s.channels[0].name = "board.e21_4".into()),
     ("a channel written otherwise", Rule::Channel, |s| s.channels[0].name = "board.e07_4".into()),
 ];
 
-fn parts(schedule: &mut Schedule, state: usize) -> &mut std::collections::BTreeMap<String, [u32; 2]> {
+fn parts(schedule: &mut Schedule, state: usize) -> &mut PartCells {
     let State::ElectrodeArray(ElectrodeArrayState { parts }) = &mut schedule.plans[0].states[state].state else {
         panic!("a board's state")
     };
@@ -285,7 +283,7 @@ fn parts_stand_where_the_last_run_left_them() {
     let State::ElectrodeArray(ElectrodeArrayState { parts }) = &mut early.plans[1].states[0].state else {
         panic!("a board's state")
     };
-    parts.insert("a".into(), [4, 4]);
+    parts.set("a", Some([4, 4]));
     only(Rule::Start, &early, &claims);
     let mut lost = sound.clone();
     lost.actuations.remove(0);

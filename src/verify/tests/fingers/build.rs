@@ -11,7 +11,6 @@ use crate::schedule::{Actuation, Channel, ChannelUnit, PlanRecord, Schedule, Sta
 use crate::source::Span;
 use crate::verify::tests::{self, bare, record_of, step_of};
 use nalgebra::{UnitQuaternion, Vector3};
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -103,7 +102,7 @@ impl Day {
         let mut day = Day {
             order,
             start_um: tips_um.clone(),
-            first: State::ElectrodeArray(ElectrodeArrayState { parts: BTreeMap::new() }),
+            first: State::ElectrodeArray(ElectrodeArrayState { parts: Default::default() }),
             lines: Vec::new(),
             tips_um,
             position_um,
