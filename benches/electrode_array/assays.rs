@@ -44,9 +44,10 @@ const FIELD_BOARD: &str = "use std.electrode_array as ea\n\
     device chip : ea.droplet_chip {\n\
     columns: 15, rows: 19, step_duration: 10 ms, settling: 8 ms, dispense_duration: 2 s, mixer: (4, 2)\n}\n";
 
-/// Levels of splits of the protein assays; then of those with more leaves than places.
+/// Levels of splits of the protein assays; then of those with more leaves than places, and of those that take minutes.
 const PROTEIN: [u32; 3] = [1, 2, 3];
 const DEEP_PROTEIN: [u32; 4] = [4, 5, 6, 7];
+const LONG_PROTEIN: [u32; 3] = [9, 10, 12];
 
 pub fn field_table() {
     println!("\npublished assays on 15 x 19 electrodes at 100 Hz; planned, lowered and verified");
@@ -67,7 +68,17 @@ pub fn field_table() {
         row(&name, &program, None);
     }
     println!("more leaves than places; beside the bound that of eight places with no way between them, in any order");
-    for levels in DEEP_PROTEIN {
+    deep_protein(&DEEP_PROTEIN);
+}
+
+/// Thousands of droplets, each protein dilution twice as long as the one before.
+pub fn long_table() {
+    println!("\nlong assays on 15 x 19 electrodes at 100 Hz; planned, lowered and verified");
+    deep_protein(&LONG_PROTEIN);
+}
+
+fn deep_protein(levels: &[u32]) {
+    for &levels in levels {
         let program = super::protein::protein(levels);
         row(&format!("protein {levels}"), &program, Some(f64::from(50 * (1 << levels) - 5) * 100.0 / 8.0));
     }

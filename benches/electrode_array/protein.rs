@@ -13,7 +13,8 @@ const BUFFER: (u32, u32) = (12, 11);
 
 /// Resting places of the halves, by level; an assay with fewer levels uses the last ones. Halves of deeper levels come
 /// and go before those of the levels above, so that each row opens to one side.
-const STORES: [(u32, u32); 6] = [(9, 1), (11, 1), (6, 16), (8, 16), (10, 16), (12, 16)];
+const STORES: [(u32, u32); 11] =
+    [(7, 1), (5, 1), (3, 1), (1, 1), (2, 18), (9, 1), (11, 1), (6, 16), (8, 16), (10, 16), (12, 16)];
 
 /// Durations in tenths of a second: a merge with its mixing, a merge with its mixing and a split, and what remains
 /// for a leaf after its first merge.

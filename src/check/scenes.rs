@@ -51,11 +51,14 @@ impl CheckedScene {
 
     /// Diagnostic for a scene with more objects of a noun than its device allows; `most` are the nouns with their limits.
     pub fn crowd(&self, most: &[(&str, usize)]) -> Option<Diagnostic> {
-        most.iter().find_map(|&(noun, most)| {
-            let mut alike = self.objects.iter().filter(|object| object.noun == noun);
-            let first = alike.nth(most)?;
-            Some(errors::too_many_objects(first.span, noun, most + 1 + alike.count(), most))
-        })
+        most.iter().find_map(|&(noun, most)| self.crowd_of(noun, most, |object| object.noun == noun))
+    }
+
+    /// An error if it has too many of some objects, named by a noun in the singular.
+    pub fn crowd_of(&self, noun: &str, most: usize, is_one: impl Fn(&SceneObject) -> bool) -> Option<Diagnostic> {
+        let mut alike = self.objects.iter().filter(|object| is_one(object));
+        let first = alike.nth(most)?;
+        Some(errors::too_many_objects(first.span, noun, most + 1 + alike.count(), most))
     }
 }
 

@@ -18,7 +18,8 @@ use crate::claims::electrode_array::{
     BoardPart, BoardZone, ElectrodeArrayObstacle, ElectrodeArrayObstacleBody, ZoneSort,
 };
 use crate::device::electrode_array::{
-    BoardNoun, ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_OBSTACLES, MAX_PARTS, MAX_ZONES, VOCABULARY,
+    BoardNoun, ElectrodeArrayFacts, ElectrodeCell, Electrodes, MAX_OBSTACLES, MAX_PARTS, MAX_PLACED_PARTS, MAX_ZONES,
+    VOCABULARY,
 };
 use crate::device::shape::ShapeForm;
 use crate::diagnostic::{Code, Diagnostic, Sink};
@@ -79,7 +80,9 @@ fn judged_scene(
         .into_iter()
         .chain(zones)
         .collect();
-    if let Some(crowd) = scene.crowd(&most) {
+    let is_placed = |object: &SceneObject| object.noun == BoardNoun::Part.name() && object.at.is_some();
+    let crowd = scene.crowd_of("placed part", MAX_PLACED_PARTS, is_placed);
+    if let Some(crowd) = crowd.or_else(|| scene.crowd(&most)) {
         sink.push(crowd);
         return BoardScene { is_whole: false, ..judged(&[], device, facts, sink) };
     }

@@ -26,7 +26,10 @@ pub use words::{
 /// Greatest number of columns, and of rows, of a board.
 pub const MAX_SIDE: u32 = 1_000;
 
-/// Greatest number of parts in one scene.
+/// Greatest number of parts that are placed in one scene, and so are on the board together.
+pub const MAX_PLACED_PARTS: usize = 1_000;
+
+/// Greatest number of parts in one scene, with those that come later.
 pub const MAX_PARTS: usize = 32_768;
 
 /// Most parts that share a set of goals in one step.

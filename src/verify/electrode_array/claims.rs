@@ -10,8 +10,8 @@ use crate::claims::electrode_array::{
     ElectrodeArrayOrder, ElectrodeArrayStop, OperationLag, ZoneSort, ZoneStay,
 };
 use crate::device::electrode_array::{
-    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_DISPENSE_FRAMES, MAX_PARTS, MAX_PLACES, MAX_SHARING,
-    MAX_SIDE, MAX_STAY_STEPS, MAX_STAY_STEPS_OF_PART, MAX_ZONES, ReservoirPads, Separation,
+    ElectrodeArrayFacts, ElectrodeCell, Electrodes, Hold, MAX_DISPENSE_FRAMES, MAX_PARTS, MAX_PLACED_PARTS, MAX_PLACES,
+    MAX_SHARING, MAX_SIDE, MAX_STAY_STEPS, MAX_STAY_STEPS_OF_PART, MAX_ZONES, ReservoirPads, Separation,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -106,7 +106,8 @@ fn reservoirs(pads: &ReservoirPads, facts: &ElectrodeArrayFacts) -> Result<(), I
 }
 
 fn parts(order: &ElectrodeArrayOrder) -> Result<(), InvalidClaims> {
-    demand(order.parts.len() <= MAX_PARTS, "have too many parts")?;
+    let placed = order.parts.iter().filter(|part| part.cell.is_some()).count();
+    demand(placed <= MAX_PLACED_PARTS && order.parts.len() <= MAX_PARTS, "have too many parts")?;
     let names: BTreeSet<&str> = order.parts.iter().map(|part| part.name.as_str()).collect();
     demand(names.len() == order.parts.len(), "have two parts with the same name")?;
     let electrodes = |cell: ElectrodeCell| {

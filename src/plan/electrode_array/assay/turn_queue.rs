@@ -120,7 +120,7 @@ impl<'l> TurnQueue<'l> {
         let in_turn = self.in_turn.iter().map(|(_, place)| place);
         let all = || in_turn.clone().chain(&self.able).map(|place| self.list[*place]);
         let is_due = |agent: &usize| {
-            self.postponed.get(agent).is_none_or(|one| self.turn - one.last >> one.tries.min(MAX_DOUBLINGS) > 0)
+            self.postponed.get(agent).is_none_or(|one| self.turn - one.last >= 1 << one.tries.min(MAX_DOUBLINGS))
         };
         let may_succeed = |agent: &usize| self.postponed.get(agent).is_none_or(|one| one.last < self.last_success);
         all().find(is_due).or_else(|| all().find(may_succeed)).or_else(|| all().next())

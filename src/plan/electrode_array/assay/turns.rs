@@ -3,8 +3,8 @@
 //! Eager turns follow the list: an agent that can continue does so as far as it can. With many agents, some then enter,
 //! or go to a meeting, long before they are needed, and block all others. Patient turns follow time: the agent that can
 //! continue first is next; an agent enters when another one waits for it; and an agent that has to wait stays where it
-//! is until shortly before its time. One that finds no course then stands back while others go on, since one of them may be
-//! in its way.
+//! is until shortly before its time. One that finds no course then stands back while others go on, since one of them
+//! may be in its way.
 
 use super::bookings::{Bookings, NEVER};
 use super::lists::{ListPlanner, Progress};

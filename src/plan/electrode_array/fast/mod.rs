@@ -49,6 +49,26 @@ impl FirstPlanTerms {
     }
 }
 
+/// What [`improve`] reduces first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ImprovementAim {
+    /// The figure of an objective.
+    Costs(BoardObjective),
+    /// The makespan of a crowd in which many agents arrive after its bound: the sum of the squares of the time by which
+    /// they do. It shows progress where the last arrival stays as it is, and still weighs the last ones most.
+    LateArrivals,
+}
+
+impl ImprovementAim {
+    /// The objective that the plan serves in the end.
+    fn objective(self) -> BoardObjective {
+        match self {
+            ImprovementAim::Costs(objective) => objective,
+            ImprovementAim::LateArrivals => BoardObjective::Makespan,
+        }
+    }
+}
+
 /// Lower bounds: the makespan and the sum of costs of agents that ignore one another. An error if an agent alone cannot
 /// reach a stop. Costs a breadth-first search per stop, or nothing where the free cells form a rectangle.
 pub fn bounds(instance: &Instance) -> Result<BoardCosts, NoBoardPlan> {
@@ -87,15 +107,15 @@ fn begin<'a>(instance: &'a Instance, terms: FirstPlanTerms, meter: &mut Meter) -
     (u64::from(planned.step_limit) >= total(&planned.least).makespan).then_some(planned)
 }
 
-/// The best plan found, starting from a legal one, which is returned if none is better. Ends early if both bounds are
-/// met.
-pub fn improve(instance: &Instance, paths: Paths, objective: BoardObjective, seed: u64, meter: &mut Meter) -> Paths {
+/// The best plan found, starting from a legal one, which is returned if none is better under the objective. Ends early
+/// if both bounds are met.
+pub fn improve(instance: &Instance, paths: Paths, aim: ImprovementAim, seed: u64, meter: &mut Meter) -> Paths {
     if instance.board.cells() > MAX_CELLS {
         return paths;
     }
     let Ok(mut planned) = PlannedInstance::new(instance, seed, meter) else { return paths };
     let bounds = total(&planned.least);
-    polish::polish(&mut planned, paths, objective, bounds, meter)
+    polish::polish(&mut planned, paths, aim, bounds, meter)
 }
 
 fn total(least: &[u32]) -> BoardCosts {

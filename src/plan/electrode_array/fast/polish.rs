@@ -6,6 +6,7 @@
 //! stays legal and never gets worse; it is optimal where it meets the bounds. Not guaranteed: an optimum within any budget. Cost:
 //! one search for each agent of a neighbourhood ([`SIZES`]).
 
+use super::ImprovementAim;
 use super::planned_instance::{PathTerms, PlannedInstance};
 use super::reservations::Others;
 use crate::plan::electrode_array::board::{BoardCosts, BoardObjective, CellIndex, Paths};
@@ -15,7 +16,8 @@ use crate::random::SplitMix64;
 /// The sizes of neighbourhoods.
 const SIZES: [usize; 6] = [1, 2, 3, 4, 5, 8];
 
-/// Sort key of a plan under an objective: makespan, sum of excess arrival times, sum of costs; or sum of costs, makespan.
+/// Sort key of a plan under an aim: makespan, sum of excess arrival times, sum of costs; or sum of costs, makespan; or
+/// sum of squared excess arrival times, makespan, sum of costs.
 type PlanKey = (u64, u64, u64);
 
 /// The ways to choose a neighbourhood.
@@ -30,6 +32,16 @@ enum NeighbourhoodChoice {
 
 const CHOICES: [NeighbourhoodChoice; 3] =
     [NeighbourhoodChoice::Blockers, NeighbourhoodChoice::Crossing, NeighbourhoodChoice::Random];
+
+/// What the replanned agents may spend, so that the plan does not get worse.
+struct Allowance {
+    /// Latest arrival of each of them.
+    limit: u64,
+    /// Their delays together.
+    delay: u64,
+    /// The squares of their excess arrival times together.
+    lateness: u64,
+}
 
 /// Adaptive choice among options, weighted by their recent gains per step.
 #[derive(Debug)]
@@ -67,7 +79,7 @@ const EVEN: u64 = 1 << 14;
 struct Polish<'c, 'a> {
     planned: &'c mut PlannedInstance<'a>,
     paths: Paths,
-    objective: BoardObjective,
+    aim: ImprovementAim,
     bounds: BoardCosts,
     choices: AdaptiveWeights<{ CHOICES.len() }>,
     sizes: AdaptiveWeights<{ SIZES.len() }>,
@@ -79,7 +91,7 @@ struct Polish<'c, 'a> {
 pub(super) fn polish(
     planned: &mut PlannedInstance,
     paths: Paths,
-    objective: BoardObjective,
+    aim: ImprovementAim,
     bounds: BoardCosts,
     meter: &mut Meter,
 ) -> Paths {
@@ -87,7 +99,7 @@ pub(super) fn polish(
     let mut state = Polish {
         planned,
         paths: paths.clone(),
-        objective,
+        aim,
         bounds,
         choices: AdaptiveWeights([EVEN; CHOICES.len()]),
         sizes: AdaptiveWeights([EVEN; SIZES.len()]),
@@ -96,7 +108,9 @@ pub(super) fn polish(
     while state.is_open() && meter.step().is_some() {
         state.round(meter);
     }
-    // A smaller excess may have cost more in the sum of costs than the last arrival has gained.
+    // A smaller excess may have cost more in the sum of costs than the last arrival has gained, and a smaller sum of
+    // squares may have made the last arrival later.
+    let objective = aim.objective();
     let worse = BoardCosts::of(&state.paths).key(objective) > BoardCosts::of(&paths).key(objective);
     if worse { paths } else { state.paths }
 }
@@ -114,14 +128,20 @@ impl Polish<'_, '_> {
         self.arrival(agent) - u64::from(self.planned.least[agent])
     }
 
+    /// Arrival time beyond the bound on the makespan.
+    fn excess(&self, arrival: u64) -> u64 {
+        arrival.saturating_sub(self.bounds.makespan)
+    }
+
     fn key(&self) -> PlanKey {
         let costs = BoardCosts::of(&self.paths);
-        match self.objective {
-            BoardObjective::Makespan => {
-                let late = |path: &Vec<CellIndex>| (path.len() as u64 - 1).saturating_sub(self.bounds.makespan);
-                (costs.makespan, self.paths.iter().map(late).sum(), costs.sum_of_costs)
+        let excesses = (0..self.paths.len()).map(|agent| self.excess(self.arrival(agent)));
+        match self.aim {
+            ImprovementAim::Costs(BoardObjective::Makespan) => (costs.makespan, excesses.sum(), costs.sum_of_costs),
+            ImprovementAim::Costs(BoardObjective::SumOfCosts) => (costs.sum_of_costs, costs.makespan, 0),
+            ImprovementAim::LateArrivals => {
+                (excesses.map(|excess| excess * excess).sum(), costs.makespan, costs.sum_of_costs)
             }
-            BoardObjective::SumOfCosts => (costs.sum_of_costs, costs.makespan, 0),
         }
     }
 
@@ -146,7 +166,7 @@ impl Polish<'_, '_> {
     fn late(&mut self) -> usize {
         let count = self.planned.count();
         let makespan = BoardCosts::of(&self.paths).makespan;
-        let too_long = self.objective == BoardObjective::Makespan && makespan > self.bounds.makespan;
+        let too_long = self.aim.objective() == BoardObjective::Makespan && makespan > self.bounds.makespan;
         let last_ones = too_long && self.planned.random.below(2) == 0;
         for step in 1..=count {
             let agent = (self.turn + step) % count;
@@ -240,17 +260,20 @@ impl Polish<'_, '_> {
     /// Plans agents in an order, up to the first one without an acceptable path; all but the last of the order are
     /// entered in the table.
     fn place(&mut self, order: &[usize], meter: &mut Meter) -> Vec<Vec<CellIndex>> {
-        let (limit, mut slack) = self.allowance(order);
+        let mut allowance = self.allowance(order);
         let mut found = Vec::with_capacity(order.len());
         for (turn, agent) in order.iter().enumerate() {
             let least = u64::from(self.planned.least[*agent]);
-            // A path that arrives later than this would make the sum of costs worse, whatever the rest of the chosen
-            // agents do.
-            let limit = limit.min(least.saturating_add(slack)).min(u64::from(u32::MAX));
+            // A path that arrives later than these would make the plan worse, whatever the rest of the chosen agents do.
+            let in_delay = least.saturating_add(allowance.delay);
+            let in_lateness = self.bounds.makespan.saturating_add(allowance.lateness.isqrt());
+            let limit = allowance.limit.min(in_delay).min(in_lateness).min(u64::from(u32::MAX));
             let terms =
                 PathTerms { others: Others::Hard, weight: 0, haste: 0, limit: limit as u32, delay: 0, detour: None };
             let Some(path) = self.planned.plan(*agent, terms, meter) else { break };
-            slack -= (path.len() as u64 - 1 - least).min(slack);
+            let arrival = path.len() as u64 - 1;
+            allowance.delay -= (arrival - least).min(allowance.delay);
+            allowance.lateness -= self.excess(arrival).pow(2).min(allowance.lateness);
             if turn + 1 < order.len() {
                 self.planned.table.add_instead(*agent, &path);
             }
@@ -259,20 +282,29 @@ impl Polish<'_, '_> {
         found
     }
 
-    /// Latest acceptable arrival of replanned agents, and the total delay that they may have.
-    fn allowance(&self, chosen: &[usize]) -> (u64, u64) {
-        let slack = chosen.iter().map(|agent| self.delay(*agent)).sum();
+    fn allowance(&self, chosen: &[usize]) -> Allowance {
+        let unlimited = Allowance { limit: u64::MAX, delay: u64::MAX, lateness: u64::MAX };
+        let delay = chosen.iter().map(|agent| self.delay(*agent)).sum();
         let ours = chosen.iter().map(|agent| self.arrival(*agent)).max().unwrap_or(0);
         let rest = (0..self.planned.count()).filter(|agent| !chosen.contains(agent));
         let theirs = rest.map(|agent| self.arrival(agent)).max().unwrap_or(0);
+        let is_met = ours.max(theirs) <= self.bounds.makespan;
         // With the makespan at its bound, only the sum of costs can improve. Above it, the latest arrival counts first:
         // if it is among the chosen agents, they must all arrive earlier; otherwise they may arrive as late as the
-        // others.
-        match self.objective {
-            BoardObjective::SumOfCosts => (u64::MAX, slack),
-            BoardObjective::Makespan if ours.max(theirs) <= self.bounds.makespan => (self.bounds.makespan, slack),
-            BoardObjective::Makespan if ours > theirs => (ours - 1, u64::MAX),
-            BoardObjective::Makespan => (theirs, u64::MAX),
+        // others. Where all late arrivals count, one agent may arrive later if others arrive so much earlier.
+        match self.aim {
+            ImprovementAim::Costs(BoardObjective::SumOfCosts) => Allowance { delay, ..unlimited },
+            ImprovementAim::Costs(BoardObjective::Makespan) | ImprovementAim::LateArrivals if is_met => {
+                Allowance { limit: self.bounds.makespan, delay, ..unlimited }
+            }
+            ImprovementAim::Costs(BoardObjective::Makespan) if ours > theirs => {
+                Allowance { limit: ours - 1, ..unlimited }
+            }
+            ImprovementAim::Costs(BoardObjective::Makespan) => Allowance { limit: theirs, ..unlimited },
+            ImprovementAim::LateArrivals => {
+                let lateness = chosen.iter().map(|agent| self.excess(self.arrival(*agent)).pow(2)).sum();
+                Allowance { lateness, ..unlimited }
+            }
         }
     }
 }

@@ -26,6 +26,7 @@ use super::board::{
     BoardAnswer, BoardCosts, BoardObjective, BoardPlan, BoardPlanProgress, CellIndex, Instance, NoBoardPlan, Paths,
 };
 use super::exact::tables::ExactTables;
+use super::fast::ImprovementAim;
 use super::joint::{self, JointAim};
 use super::{channels, exact, fast, lacam};
 use crate::plan::search::{Meter, SearchBudget};
@@ -61,8 +62,9 @@ const DENSE_ROUNDS: u64 = 3;
 const WALK_BOUNDS: u64 = 16;
 
 /// Parts above which a proof is unlikely, so that improvement gets the whole remaining budget except
-/// 1/[`IMPROVE_SHARE`].
+/// 1/[`CROWD_PROOF_SHARE`].
 const CROWD: usize = 36;
+const CROWD_PROOF_SHARE: u64 = 16;
 
 /// With more than `CROWD` parts, a makespan above this percentage of its bound is first brought near the bound by a new
 /// plan.
@@ -221,7 +223,7 @@ impl PortfolioSearch<'_> {
         let (instance, mut seed) = (self.instance, 1);
         while BoardCosts::of(&paths).makespan > limit && self.meter.left().steps > end {
             paths = self.searched(ROUND_STEPS + more, |share| {
-                fast::improve(instance, paths.clone(), BoardObjective::Makespan, seed, share)
+                fast::improve(instance, paths.clone(), ImprovementAim::Costs(BoardObjective::Makespan), seed, share)
             });
             seed += 1;
         }
@@ -252,7 +254,8 @@ impl PortfolioSearch<'_> {
             }
         }
         let all = self.meter.left().steps;
-        let share = if self.instance.agents.len() > CROWD { all - all / IMPROVE_SHARE } else { all / IMPROVE_SHARE };
+        let share =
+            if self.instance.agents.len() > CROWD { all - all / CROWD_PROOF_SHARE } else { all / IMPROVE_SHARE };
         let mut best = self.bettered(first.clone(), share);
         if !self.is_met(&best) {
             let objective = self.objective;
@@ -369,7 +372,11 @@ impl PortfolioSearch<'_> {
     /// One round of improvement; a plan that breaks the limit is discarded.
     fn round(&mut self, paths: Paths, seed: u64, steps: u64) -> Paths {
         let (instance, objective) = (self.instance, self.objective);
-        let better = self.searched(steps, |share| fast::improve(instance, paths.clone(), objective, seed, share));
+        let aim = match objective {
+            BoardObjective::Makespan if instance.agents.len() > CROWD => ImprovementAim::LateArrivals,
+            BoardObjective::Makespan | BoardObjective::SumOfCosts => ImprovementAim::Costs(objective),
+        };
+        let better = self.searched(steps, |share| fast::improve(instance, paths.clone(), aim, seed, share));
         let keeps = self.limit.is_none_or(|limit| BoardCosts::of(&better).makespan <= limit);
         if keeps { better } else { paths }
     }

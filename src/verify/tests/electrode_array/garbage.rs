@@ -1,7 +1,7 @@
 //! No readable schedule or claims make the verifier panic, and none take it long.
 
 use super::*;
-use crate::device::electrode_array::{ElectrodeMap, Electrodes, MAX_PARTS};
+use crate::device::electrode_array::{ElectrodeMap, Electrodes, MAX_PARTS, MAX_PLACED_PARTS};
 use crate::schedule::electrode_array::ElectrodeArrayState;
 use crate::verify::tests::{UnfitOrder, each_unfit, write};
 use proptest::prelude::*;
@@ -170,6 +170,12 @@ fn claims_that_no_program_has_are_inconclusive() {
         ("not all on the board", |order| Arc::make_mut(&mut order.parts)[1].cell = Some(cell(0, 5))),
         ("too many parts", |order| {
             let part = order.parts[0].clone();
+            let many = (0..=MAX_PLACED_PARTS)
+                .map(|at| crate::claims::electrode_array::BoardPart { name: at.to_string(), ..part.clone() });
+            order.parts = Arc::new(many.collect());
+        }),
+        ("too many parts", |order| {
+            let part = crate::claims::electrode_array::BoardPart { cell: None, ..order.parts[0].clone() };
             let many = (0..=MAX_PARTS)
                 .map(|at| crate::claims::electrode_array::BoardPart { name: at.to_string(), ..part.clone() });
             order.parts = Arc::new(many.collect());
