@@ -61,7 +61,7 @@ pub enum ImprovementAim {
 
 impl ImprovementAim {
     /// The objective that the plan serves in the end.
-    fn objective(self) -> BoardObjective {
+    fn final_objective(self) -> BoardObjective {
         match self {
             ImprovementAim::Costs(objective) => objective,
             ImprovementAim::LateArrivals => BoardObjective::Makespan,

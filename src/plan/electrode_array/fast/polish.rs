@@ -110,7 +110,7 @@ pub(super) fn polish(
     }
     // A smaller excess may have cost more in the sum of costs than the last arrival has gained, and a smaller sum of
     // squares may have made the last arrival later.
-    let objective = aim.objective();
+    let objective = aim.final_objective();
     let worse = BoardCosts::of(&state.paths).key(objective) > BoardCosts::of(&paths).key(objective);
     if worse { paths } else { state.paths }
 }
@@ -166,7 +166,7 @@ impl Polish<'_, '_> {
     fn late(&mut self) -> usize {
         let count = self.planned.count();
         let makespan = BoardCosts::of(&self.paths).makespan;
-        let too_long = self.aim.objective() == BoardObjective::Makespan && makespan > self.bounds.makespan;
+        let too_long = self.aim.final_objective() == BoardObjective::Makespan && makespan > self.bounds.makespan;
         let last_ones = too_long && self.planned.random.below(2) == 0;
         for step in 1..=count {
             let agent = (self.turn + step) % count;
