@@ -172,6 +172,7 @@ impl<'a> ScheduleBuilder<'a> {
             actuation.start_ns += start_ns;
             actuation.step += first_step;
         }
+        // There may be millions, which mostly belong to a single run.
         match self.actuations.is_empty() {
             true => self.actuations = std::mem::take(&mut run.actuations),
             false => self.actuations.append(&mut run.actuations),

@@ -58,30 +58,21 @@ impl Liquid {
 /// devices that do not state the largest droplet that they carry. In a gap of constant height the width grows with the
 /// square root of the volume.
 pub fn warn_of_wide_droplets(jobs: &[Job], sink: &mut Sink) {
-    // For each device its liquids, the parts that are still to come, and those on the board.
-    let mut boards: BTreeMap<&str, (BoardLiquids, BTreeSet<&str>, BTreeSet<&str>)> = BTreeMap::new();
+    // For each device its liquids, and the parts with liquid on the board.
+    let mut boards: BTreeMap<&str, (BoardLiquids, BTreeSet<&str>)> = BTreeMap::new();
     for job in jobs {
         let Some(order) = ElectrodeArrayOrder::of(&job.order) else { continue };
-        let (board, coming, present) = boards.entry(&job.device).or_default();
+        let (board, present) = boards.entry(&job.device).or_default();
         let name = |part: usize| order.parts[part].name.as_str();
         let new: Vec<&str> =
             (0..order.parts.len()).map(name).filter(|part| !board.liquids.contains_key(*part)).collect();
         board.put(&order.parts);
-        for part in new {
-            if board.volume(part) > 0.0 {
-                present.insert(part)
-            } else {
-                coming.insert(part)
-            };
-        }
+        present.extend(new.into_iter().filter(|part| board.volume(part) > 0.0));
         for change in order.steps.iter().flat_map(|step| changes(&step.action)) {
             // Violations of the device's limits were already reported.
             board.change(job, order, &change);
-            let is_here = |part: &usize| board.volume(name(*part)) > 0.0 && coming.remove(name(*part));
-            let came: Vec<usize> = change.filled().filter(is_here).collect();
-            present.extend(came.into_iter().map(name));
+            present.extend(change.filled().map(name).filter(|part| board.volume(part) > 0.0));
             for part in change.gone() {
-                coming.remove(name(part));
                 present.remove(name(part));
             }
             if let (Some(_), None) = (change.with(), order.facts.most_volume) {

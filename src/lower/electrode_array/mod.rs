@@ -234,7 +234,7 @@ impl<'a> LoweringBoard<'a> {
             let since = instant.checked_sub(step.since(*part))?;
             Some((*part, step.dispensed.get(part)?.frames.get(since / frame_steps)?))
         };
-        self.cells.keys().filter(|_| !step.dispensed.is_empty()).filter_map(frame).collect()
+        self.cells.keys().filter_map(frame).collect()
     }
 
     /// The electrodes that move the parts to their next cells and hold resting parts; for a part that is being

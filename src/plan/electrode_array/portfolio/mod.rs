@@ -61,9 +61,10 @@ const DENSE_ROUNDS: u64 = 3;
 /// on the makespan.
 const WALK_BOUNDS: u64 = 16;
 
-/// Parts above which a proof is unlikely, so that improvement gets the whole remaining budget except
-/// 1/[`CROWD_PROOF_SHARE`].
+/// Parts above which a proof is unlikely.
 const CROWD: usize = 36;
+
+/// With more than `CROWD` parts, improvement gets the whole remaining budget except 1/N.
 const CROWD_PROOF_SHARE: u64 = 16;
 
 /// With more than `CROWD` parts, a makespan above this percentage of its bound is first brought near the bound by a new
