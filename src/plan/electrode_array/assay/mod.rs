@@ -8,11 +8,12 @@
 //! Method: list scheduling. Agents take their turns in the order of a list. In its turn an agent's course is planned up
 //! to the next agent that it meets and that has no course yet (`route`), around the courses of the others (`bookings`);
 //! an agent that finds no course moves to the front of the next list. Besides the order of the list there is the order
-//! of time, in which no agent enters the board or goes to a meeting long before it is needed there (`turns`). Then
-//! local search: lists with agents moved are kept if they are no worse (`lists`). Where no list yields a plan, agents
-//! that would block others step aside (`detours`); where that does not help, or where agents leave traces, droplets are
-//! replanned one by one and negotiate about cells (`negotiated`). Then random lists are tried. Where no plan is found,
-//! or the plan may have too many steps, a few agents are planned jointly (`joint`).
+//! of time, in which no agent enters the board or goes to a meeting long before it is needed there (`turns`); in both,
+//! agents may keep off the places of others (`lanes`). Then local search: lists with agents moved are kept if they are
+//! no worse (`lists`). Where no list yields a plan, agents that would block others step aside (`detours`); where that
+//! does not help, or where agents leave traces, droplets are replanned one by one and negotiate about cells
+//! (`negotiated`). Then random lists are tried. Where no plan is found, or the plan may have too many steps, a few
+//! agents are planned jointly (`joint`).
 //!
 //! Guaranteed: a plan is legal; `bounds` hold for every plan; the same input and budget give the same plan. For few
 //! agents, while the budget lasts, a plan is found where there is one, with the fewest steps or the least sum of costs.
@@ -25,6 +26,8 @@ mod channels;
 mod detours;
 mod joint;
 mod lags;
+mod lanes;
+mod list_planner;
 mod lists;
 mod negotiated;
 mod replay;
@@ -297,6 +300,9 @@ fn distances_and_bounds(
     }
 }
 
+/// 1/N of the budget is for lists if agents leave traces: negotiation mostly yields better plans then.
+const LISTS_WITH_TRACES_SHARE: u64 = 3;
+
 /// 1/N of the remaining budget is for random lists, where the joint search gets the rest.
 const RANDOM_LISTS_SHARE: u64 = 3;
 
@@ -446,7 +452,10 @@ fn in_order(
     distances: &mut fast::Distances,
     meter: &mut Meter,
 ) -> Option<Vec<AgentCourse>> {
-    let listed = lags::by_lists(problem, ahead, objective, least, meter)
+    let steps =
+        if problem.traces.is_some() { meter.left().steps / LISTS_WITH_TRACES_SHARE } else { meter.left().steps };
+    let listed = meter
+        .share(steps, |meter| lags::by_lists(problem, ahead, objective, least, meter))
         .and_then(|courses| detours::as_replayed(problem, courses))
         .or_else(|| detours::by_lists(problem, objective, least, distances, meter));
     // With traces, lists yield long detours, if they yield a plan at all.

@@ -12,6 +12,7 @@ use super::{AssayProblem, Errand, SplitErrand};
 use crate::plan::electrode_array::board::CellIndex;
 use crate::plan::electrode_array::fast::{DistanceField, Distances, UNREACHABLE};
 use crate::plan::search::Meter;
+use fixedbitset::FixedBitSet;
 use rustc_hash::FxHashMap;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -66,6 +67,8 @@ pub(super) struct RouteQuery<'q> {
     pub is_gone: bool,
     /// Whether it enters the board at an instant, not before `since`, that the search chooses.
     pub enters: bool,
+    /// Whether it keeps to lanes ([`super::lanes`]) where it can.
+    pub keeps_lanes: bool,
     /// Latest end.
     pub limit: u32,
 }
@@ -166,7 +169,14 @@ impl<'a> Router<'a> {
     }
 
     /// A course that ends as early as possible; `None` if none is found within the limit or the meter runs out.
-    pub(super) fn course(&mut self, query: &RouteQuery, bookings: &Bookings, meter: &mut Meter) -> Option<Course> {
+    /// It enters no cell of `closed`.
+    pub(super) fn course(
+        &mut self,
+        query: &RouteQuery,
+        bookings: &Bookings,
+        closed: Option<&FixedBitSet>,
+        meter: &mut Meter,
+    ) -> Option<Course> {
         self.clear();
         let search = RouteSearch::new(self.problem, self.ahead, query);
         for (span, at) in self.starts(&search, bookings) {
@@ -195,7 +205,7 @@ impl<'a> Router<'a> {
             if self.is_end(&search, &node) {
                 return Some(self.found(index, &search));
             }
-            self.expand(&search, bookings, index);
+            self.expand(&search, bookings, closed, index);
         }
         None
     }
@@ -256,10 +266,13 @@ impl<'a> Router<'a> {
         })
     }
 
-    fn expand(&mut self, search: &RouteSearch, bookings: &Bookings, index: u32) {
+    fn expand(&mut self, search: &RouteSearch, bookings: &Bookings, closed: Option<&FixedBitSet>, index: u32) {
         let node = self.nodes[index as usize];
         let leave = self.spans[node.span as usize].to;
         for cell in self.problem.instance.board.neighbours(node.cell) {
+            if closed.is_some_and(|closed| closed.contains(cell as usize)) {
+                continue;
+            }
             let (first, end) = self.list(search, bookings, cell, node.done);
             let past = self.spans[first as usize..end as usize].partition_point(|span| span.to <= node.at + 1);
             for span in first + past as u32..end {

@@ -7,7 +7,7 @@
 //! may be in its way.
 
 use super::bookings::{Bookings, NEVER};
-use super::lists::{ListPlanner, Progress};
+use super::list_planner::{ListPlanner, Progress};
 use super::route::{Course, RouteQuery};
 use super::turn_queue::{AgentTurn, TurnOrder};
 

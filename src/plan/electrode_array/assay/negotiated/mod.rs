@@ -10,8 +10,8 @@
 //! the agents that were near its cell before, in this order, have left; so droplets that keep apart do their errands at
 //! the same time, and the order of visits to a cell does not change. Initial orders: one droplet (agents that merge or
 //! split) after the other, and the orders of known courses, such as courses that ignore traces; where none of these
-//! works, random permutations of the droplets. Then local search moves some errands of a droplet to another place in
-//! the order, as long as the plan is no worse.
+//! works, random permutations of the droplets. From each of them, the best one first, local search moves some errands
+//! of a droplet to another place in the order, as long as the plan is no worse.
 //!
 //! Guaranteed: a plan is legal. Not guaranteed: that one is found, or that it is short, since nobody steps aside for a
 //! droplet that comes later. Cost: one step of the budget for each [`droplet_turns::CELLS_PER_STEP`] cells that the
@@ -66,23 +66,28 @@ pub(super) fn best(
     let droplets = negotiation.in_order_of_program();
     let in_turn = negotiation.in_turn(&droplets);
     let seeds = std::iter::once(in_turn).chain(known.iter().map(|courses| in_order_of(problem, courses)));
-    let first = |order| negotiation.first_courses(order, meter);
-    let best = seeds.filter_map(first).min_by_key(|(courses, _)| key(courses));
-    let (mut best, mut order) = best.or_else(|| negotiation.by_changes(droplets, &mut random, meter))?;
-    let mut idle = 0;
-    while idle < ORDERS && meter.left().steps > 0 && !AssayPlan::is_least(&best, objective, least.costs) {
-        let other = negotiation.changed(&order, Some(best.as_slice()).filter(|_| idle % LAST_IN == 0), &mut random);
-        let tolls = negotiation.ways.tolls.clone();
-        idle += 1;
-        match negotiation.courses(&other, ROUNDS_OF_OTHERS, meter) {
-            Some(new) if key(&new) <= key(&best) => {
-                idle = if key(&new) == key(&best) { idle } else { 0 };
-                (best, order) = (new, other);
-            }
-            Some(_) | None => negotiation.ways.tolls = tolls,
-        }
+    let mut firsts: Vec<NegotiatedOrder> = seeds.filter_map(|order| negotiation.first_courses(order, meter)).collect();
+    if firsts.is_empty() {
+        firsts.extend(negotiation.by_changes(droplets, &mut random, meter));
     }
-    Some(best)
+    firsts.sort_by_key(|first| key(&first.courses));
+    let is_least = |courses: &[AgentCourse]| AssayPlan::is_least(courses, objective, least.costs);
+    let mut best: Option<Vec<AgentCourse>> = None;
+    for first in firsts {
+        if best.as_ref().is_some_and(|best| is_least(best) || meter.left().steps == 0) {
+            break;
+        }
+        let found = negotiation.improved(first, objective, is_least, &mut random, meter);
+        best = best.into_iter().chain([found]).min_by_key(|courses| key(courses));
+    }
+    best
+}
+
+/// Courses with the order of errands from which they come, and the tolls of their negotiation.
+struct NegotiatedOrder {
+    courses: Vec<AgentCourse>,
+    order: ErrandOrder,
+    tolls: Vec<u32>,
 }
 
 /// Errands in the order in which they are done.
@@ -172,9 +177,38 @@ impl<'a> Negotiation<'a> {
     }
 
     /// Courses in a new order, without tolls from earlier ones.
-    fn first_courses(&mut self, order: ErrandOrder, meter: &mut Meter) -> Option<(Vec<AgentCourse>, ErrandOrder)> {
+    fn first_courses(&mut self, order: ErrandOrder, meter: &mut Meter) -> Option<NegotiatedOrder> {
         self.ways.tolls.fill(0);
-        Some((self.courses(&order, ROUNDS, meter)?, order))
+        let courses = self.courses(&order, ROUNDS, meter)?;
+        Some(NegotiatedOrder { courses, order, tolls: self.ways.tolls.clone() })
+    }
+
+    /// Local search from an order: the best courses found.
+    fn improved(
+        &mut self,
+        first: NegotiatedOrder,
+        objective: BoardObjective,
+        is_least: impl Fn(&[AgentCourse]) -> bool,
+        random: &mut SplitMix64,
+        meter: &mut Meter,
+    ) -> Vec<AgentCourse> {
+        let key = |courses: &[AgentCourse]| AssayPlan::costs(courses).key(objective);
+        let NegotiatedOrder { courses: mut best, mut order, mut tolls } = first;
+        let mut idle = 0;
+        while idle < ORDERS && meter.left().steps > 0 && !is_least(&best) {
+            let other = self.changed(&order, Some(best.as_slice()).filter(|_| idle % LAST_IN == 0), random);
+            self.ways.tolls.clone_from(&tolls);
+            idle += 1;
+            match self.courses(&other, ROUNDS_OF_OTHERS, meter) {
+                Some(new) if key(&new) <= key(&best) => {
+                    idle = if key(&new) == key(&best) { idle } else { 0 };
+                    (best, order) = (new, other);
+                    tolls.clone_from(&self.ways.tolls);
+                }
+                Some(_) | None => {}
+            }
+        }
+        best
     }
 
     /// Courses in a permuted order of the droplets.
@@ -183,7 +217,7 @@ impl<'a> Negotiation<'a> {
         mut droplets: Vec<usize>,
         random: &mut SplitMix64,
         meter: &mut Meter,
-    ) -> Option<(Vec<AgentCourse>, ErrandOrder)> {
+    ) -> Option<NegotiatedOrder> {
         for _ in 0..ORDERS {
             droplets = moved_to(&droplets, below(random, droplets.len()), below(random, droplets.len()));
             let found = self.first_courses(self.in_turn(&droplets), meter);
