@@ -127,9 +127,9 @@ pub struct WashCourse {
 pub type Fluids = BTreeSet<String>;
 
 impl Contamination {
-    /// Whether a droplet of the fluids `comes` must not enter an electrode with traces of the fluids `left`.
-    pub fn contaminates(&self, left: &Fluids, comes: &Fluids) -> bool {
-        let (is_left, is_own) = (|fluid: &String| left.contains(fluid), |fluid: &String| comes.contains(fluid));
+    /// Whether a droplet of these fluids must not enter an electrode with these traces.
+    pub fn contaminates(&self, traces: &Fluids, droplet: &Fluids) -> bool {
+        let (is_left, is_own) = (|fluid: &String| traces.contains(fluid), |fluid: &String| droplet.contains(fluid));
         self.avoided.iter().any(|trace| is_left(&trace.of) && is_own(&trace.within) && !is_own(&trace.of))
     }
 

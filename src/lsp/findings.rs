@@ -3,7 +3,7 @@
 use super::hints::CheckedFigures;
 use super::text::{self, ColumnUnit, EditedText};
 use crate::check::imports::{FileFault, Library};
-use crate::check::{Options, ProgramSource, check_program};
+use crate::check::{Checked, Options, ProgramSource, check_program};
 use crate::diagnostic::{Diagnostic, Label, Severity, Sink};
 use crate::source::{FileId, Origin, Sources, beside};
 use lsp_types::{
@@ -75,11 +75,9 @@ pub fn of(
     unit: ColumnUnit,
 ) -> OpenFindings {
     let Some(text) = texts.get(path) else { return OpenFindings::default() };
-    let name = text::file_name(path);
     let library = Overlay::around(path, texts, disk);
     let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
-    let checked = check_program(&request, &mut sources, &mut sink);
+    let checked = check_open_program(path, text, &library, &mut sources, &mut sink);
     let own = EditedText::new((*text).to_owned());
     let shown = ShownProgram { uri, own: &own, library: &library, sources: &sources, unit };
     let figures = checked.zip(shown.own_file()).map(|(checked, own)| CheckedFigures::of(&checked, own));
@@ -93,30 +91,26 @@ fn read_of(path: &Path, sources: &Sources, library: &Overlay) -> BTreeSet<PathBu
     open.chain([path.to_owned()]).collect()
 }
 
-/// The compiler's findings of a program, and the open texts that it reads, its own included.
-fn check_open_program(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> (Sink, BTreeSet<PathBuf>) {
-    let (mut sources, mut sink) = (Sources::default(), Sink::default());
-    let mut read = BTreeSet::from([path.to_owned()]);
-    if let Some(text) = texts.get(path) {
-        let name = text::file_name(path);
-        let library = Overlay::around(path, texts, disk);
-        let request = ProgramSource { name: &name, text, library: &library, options: &Options::default() };
-        check_program(&request, &mut sources, &mut sink);
-        read = read_of(path, &sources, &library);
-    }
-    (sink, read)
+/// Checks the text of a program with the open texts and the files around it.
+fn check_open_program(
+    path: &Path,
+    text: &str,
+    library: &Overlay,
+    sources: &mut Sources,
+    sink: &mut Sink,
+) -> Option<Checked> {
+    let request = ProgramSource { name: &text::file_name(path), text, library, options: &Options::default() };
+    check_program(&request, sources, sink)
 }
 
 /// Titles of the errors of a program, in order.
 pub fn errors(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> Vec<String> {
-    let (sink, _) = check_open_program(path, texts, disk);
+    let (mut sources, mut sink) = (Sources::default(), Sink::default());
+    if let Some(text) = texts.get(path) {
+        check_open_program(path, text, &Overlay::around(path, texts, disk), &mut sources, &mut sink);
+    }
     let errors = sink.sorted().into_iter().filter(|diagnostic| diagnostic.code.severity() == Severity::Error);
     errors.map(|diagnostic| diagnostic.title.clone()).collect()
-}
-
-/// The open texts that a program reads, its own included.
-pub fn read_from(path: &Path, texts: &BTreeMap<PathBuf, &str>, disk: &dyn Library) -> BTreeSet<PathBuf> {
-    check_open_program(path, texts, disk).1
 }
 
 /// Quick fixes for findings, which the editor sends back unchanged.

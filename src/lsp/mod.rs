@@ -65,9 +65,6 @@ pub enum SessionEnd {
 /// Serves one client until it ends. The planner's results arrive through the connection, like the client's messages.
 ///
 /// # Errors
-/// The first messages do not follow the protocol.
-///
-/// # Errors
 /// The first messages are not those of the protocol.
 pub fn serve(
     connection: &Connection,
@@ -125,7 +122,7 @@ struct Session<'a> {
     open: BTreeMap<PathBuf, OpenDocument>,
     /// Number of tickets given so far: to searches for plans, and to requests that the client answers.
     tickets: u64,
-    /// Whether a text has changed since findings were last published.
+    /// Whether a text or a file has changed since findings were last published.
     is_changed: bool,
     /// Whether the client has asked for the shutdown; only `exit` may follow.
     is_shut: bool,
@@ -148,7 +145,7 @@ impl Session<'_> {
         }
     }
 
-    /// Publishes findings of the current texts, if a text has changed since the last time.
+    /// Publishes findings of the current texts, if a text or a file has changed since the last time.
     fn settle(&mut self) {
         if self.is_changed {
             self.publish_all();
@@ -254,18 +251,14 @@ impl Session<'_> {
                 let path = text::path(&saved.text_document.uri);
                 let Some(document) = path.and_then(|path| self.open.get_mut(&path)) else { return };
                 document.is_saved = true;
-                // Other programs may use this file.
-                self.open.values_mut().for_each(|document| document.ticket = None);
-                let read = self.open_files_read();
-                self.follow_disk(&read);
+                self.disk_changed();
             }
             DidChangeWatchedFiles::METHOD => {
                 let Some(changed) = read::<lsp_types::DidChangeWatchedFilesParams>(notice.params) else { return };
                 let is_open = |uri: &Uri| text::path(uri).is_some_and(|path| self.open.contains_key(&path));
                 // An open text stands for its file. Any other file may be one that open programs read from the disk.
                 if changed.changes.iter().any(|change| !is_open(&change.uri)) {
-                    self.open.values_mut().for_each(|document| document.ticket = None);
-                    self.is_changed = true;
+                    self.disk_changed();
                 }
             }
             PLANNED => {
@@ -284,6 +277,12 @@ impl Session<'_> {
             }
             _ => {}
         }
+    }
+
+    /// A file on the disk has changed, which any open program may read: all are checked and planned again.
+    fn disk_changed(&mut self) {
+        self.open.values_mut().for_each(|document| document.ticket = None);
+        self.is_changed = true;
     }
 
     /// Checks every open program: a change in one may affect those that use it.
@@ -435,19 +434,6 @@ impl Session<'_> {
             let id = format!("hints {}", self.tickets).into();
             self.send(Message::Request(Request::new(id, InlayHintRefreshRequest::METHOD.to_owned(), ())));
         }
-    }
-
-    /// The open files that each saved program reads.
-    fn open_files_read(&self) -> BTreeMap<PathBuf, BTreeSet<PathBuf>> {
-        let texts = self.texts();
-        let saved = self.open.iter().filter(|(_, document)| document.is_saved);
-        saved
-            .map(|(path, _)| {
-                let mut read = BTreeSet::new();
-                (self.around)(path, &mut |disk| read = findings::read_from(path, &texts, disk));
-                (path.clone(), read)
-            })
-            .collect()
     }
 
     /// Whether these open texts are the same on the disk.

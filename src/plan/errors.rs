@@ -397,7 +397,8 @@ pub enum SeparationRemedy {
     OtherTimes,
 }
 
-/// Report of two robots of one scene for which no plans were found that keep them apart.
+/// Report of a robot for which no plan was found that keeps it apart from others of its scene; `with` are their names in
+/// backquotes.
 pub fn not_apart(
     [device, with]: [&str; 2],
     run: Span,
@@ -405,14 +406,14 @@ pub fn not_apart(
     other: Option<Span>,
     mend: SeparationRemedy,
 ) -> Diagnostic {
-    let title = format!("no plans were found that keep `{device}` and `{with}` apart");
+    let title = format!("no plans were found that keep `{device}` and {with} apart");
     let diagnostic = Diagnostic::new(Code::E0610, title).label(run, why);
     let diagnostic = match other {
-        Some(other) => diagnostic.label_elsewhere(other, run, format!("a run of `{with}`")),
+        Some(other) => diagnostic.label_elsewhere(other, run, format!("a run of {with}")),
         None => diagnostic,
     };
     diagnostic.help(match mend {
-        SeparationRemedy::OtherEnds => format!("end the run of `{device}` elsewhere, or move `{with}` on first"),
+        SeparationRemedy::OtherEnds => format!("end the run of `{device}` elsewhere, or move {with} on first"),
         SeparationRemedy::OtherTimes => {
             "this does not prove that there are none; it may help to run one after the other instead of `together`, or \
              to route one through other places with `via`"

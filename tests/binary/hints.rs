@@ -49,6 +49,7 @@ fn what_is_not_on_the_disk_is_not_planned() {
     std::thread::sleep(std::time::Duration::from_millis(500));
     fs::write(bench.path("a.twz"), text).expect("written");
     editor.note("textDocument/didSave", json!({ "textDocument": { "uri": &uri } }));
+    assert_eq!(editor.findings().1, Vec::<Value>::new());
     // The first planning result is for the saved text.
     match editor.receive() {
         Message::Request(request) => assert_eq!(request.method, "workspace/inlayHint/refresh"),

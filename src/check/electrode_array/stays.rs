@@ -10,6 +10,9 @@ use crate::check::verbs::Call;
 use crate::claims::electrode_array::{AssayOperation, ElectrodeArrayStop, ZoneSort, ZoneStay};
 use crate::quantity::Quantity;
 
+/// Lowest temperature, in kelvin, of heaters whose device states none: water freezes below it, and heaters only heat.
+const LEAST_HEATED_K: f64 = 273.15;
+
 impl BoardStepJudge<'_> {
     /// The stay of a part in a zone of a sort.
     pub(super) fn in_zone(&mut self, call: &Call, part: Option<usize>, sort: ZoneSort) -> Option<AssayOperation> {
@@ -65,6 +68,8 @@ impl BoardStepJudge<'_> {
         let wrong = wrong.map(|(field, limit_k)| {
             errors::temperature_out_of_range(asked.span, temperature, self.device, field, limit_k)
         });
+        let is_cold = self.facts.least_temperature_k.is_none() && temperature.si < LEAST_HEATED_K;
+        let wrong = wrong.or_else(|| is_cold.then(|| errors::too_cold_for_heaters(asked.span, temperature)));
         asked.unless(wrong, self.sink)?;
         Some(temperature.si)
     }

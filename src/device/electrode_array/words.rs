@@ -191,12 +191,7 @@ const FIELDS: &[VocabularyField] = &[
         "no limit",
         "the largest droplet that one electrode can hold, in droplets as reservoirs dispense them",
     ),
-    optional(
-        "least_temperature",
-        positive(Dimension::TEMPERATURE),
-        "no limit",
-        "the lowest temperature of its heaters",
-    ),
+    optional("least_temperature", positive(Dimension::TEMPERATURE), "0 degC", "the lowest temperature of its heaters"),
     optional(
         "most_temperature",
         positive(Dimension::TEMPERATURE),

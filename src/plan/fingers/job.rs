@@ -64,12 +64,9 @@ fn planned(
     let open = left.as_ref().map_or(LeftOpen::default(), |left| left.open);
     let stance = left.map(|left| left.stance);
     let looks = Rc::new(LooksBudget::of(most_looks(order)));
-    let mut sections = match Sections::of(order, looks) {
-        Ok(sections) => sections,
-        Err(error) => {
-            sink.push(not_followed(order, &error));
-            return None;
-        }
+    let Ok(mut sections) = Sections::of(order, looks) else {
+        sink.push(not_followed(order));
+        return None;
     };
     let mut request =
         TaskRequest { job, order, stance: stance.as_ref(), open, first: FirstCriterion::Effort, gaits: Vec::new() };

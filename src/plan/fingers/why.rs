@@ -18,7 +18,7 @@ use crate::device::fingers::MAX_GRASP_EVALUATIONS;
 use crate::device::fingers::sampling::contacts;
 use crate::device::fingers::{AXES, Adhesion, FingersFacts, MAX_CONTACTS, MAX_GRASPS, Plane};
 use crate::diagnostic::{Code, Diagnostic, Reach, ReachExtent};
-use crate::geometry::outline::{Curve, OutlineError};
+use crate::geometry::outline::Curve;
 use crate::plan::search::GaveUp;
 use crate::quantity::{count, digits, significant, to_decimals};
 use nalgebra::UnitQuaternion;
@@ -76,8 +76,8 @@ pub fn no_plan(request: &TaskRequest, none: NoTaskPlan) -> Diagnostic {
 }
 
 /// Report of an outline that cannot be followed.
-pub fn not_followed(order: &FingersOrder, error: &OutlineError) -> Diagnostic {
-    let title = format!("the outline of `{}` cannot be followed: {error:?}", order.part.name);
+pub fn not_followed(order: &FingersOrder) -> Diagnostic {
+    let title = format!("the outline of `{}` cannot be followed", order.part.name);
     Diagnostic::new(Code::E0602, title).label(order.part.span, "this part")
 }
 
@@ -325,16 +325,20 @@ impl HandReasons<'_> {
         let order = self.order;
         let with = |change: &dyn Fn(&mut FingersFacts)| changed(order, change);
         let has_plan = |changed: &FingersOrder| trials.try_with(changed) == PlanExists::Yes;
-        let mut changes = Vec::new();
+        let (mut changes, mut tried) = (Vec::new(), Vec::new());
         // A part that sticks to the tips may not come off at a release.
         let is_released = order.steps.iter().any(|step| matches!(step.action, FingersAction::Release));
         if order.facts.adhesion == Adhesion::Absent && order.facts.pull_off_un > 0.0 && !is_released {
             let sticking = with(&|facts| facts.adhesion = Adhesion::Sticking);
             changes.extend(has_plan(&sticking).then(|| "`adhesion: true`".to_owned()));
+            tried.push("adhesion".to_owned());
         }
-        if rolling_reserve_percent(order).is_some() && has_plan(&with(&|facts| facts.rolling_reserve = 0.0)) {
-            changes.push("`rolling_reserve: 0`".to_owned());
+        if rolling_reserve_percent(order).is_some() {
+            let all = with(&|facts| facts.rolling_reserve = 0.0);
+            changes.extend(has_plan(&all).then(|| "`rolling_reserve: 0`".to_owned()));
+            tried.push("no `rolling_reserve`".to_owned());
         }
+        tried.push(format!("friction up to {MOST_FRICTION}"));
         let friction = |value: f64| with(&|facts| facts.friction = value);
         let least = nearest([order.facts.friction, MOST_FRICTION], &|value| has_plan(&friction(value)));
         changes.extend(least.map(|value| format!("`friction: {}`", digits(value))));
@@ -342,11 +346,13 @@ impl HandReasons<'_> {
             let safety = |value: f64| with(&|facts| facts.removal_safety = value);
             let most = nearest([order.facts.removal_safety, 0.0], &|value| has_plan(&safety(value)));
             changes.extend(most.map(|value| format!("`removal_safety: {}`", digits(value))));
+            tried.push("a lower `removal_safety`".to_owned());
         }
         if trials.begins.held.is_none()
             && let Some((halved, step)) = halved(order)
         {
             changes.extend(has_plan(&halved).then(|| format!("`step: {step} deg`")));
+            tried.push("half the step".to_owned());
         }
         let ended = "the search for other changes reached its limit";
         let there = match self.job.requirements.is_empty() {
@@ -361,8 +367,8 @@ impl HandReasons<'_> {
         match (changes.as_slice(), trials.looks.are_spent()) {
             ([], true) => Some(format!("{ended} without a result")),
             ([], false) => Some(format!(
-                "neither friction up to {MOST_FRICTION}, nor a lower `removal_safety`, nor half the step makes it \
-                 possible: turn it differently, or use another object or other tips"
+                "none of these changes makes it possible: {}; turn it differently, or use another object or other tips",
+                tried.join(", ")
             )),
             (changes, true) => Some(format!("{there} with {}{from}; {ended}", changes.join(", or with "))),
             (changes, false) => Some(format!("{there} with {}{from}", changes.join(", or with "))),

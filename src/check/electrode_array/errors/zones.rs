@@ -73,6 +73,15 @@ pub fn temperature_out_of_range(span: Span, asked: Quantity, device: &str, field
         .help(format!("write {limit}, or correct `{field}` of the device"))
 }
 
+/// A temperature at which droplets freeze, of a device that does not state that its heaters also cool. Mostly degrees
+/// Celsius that were written as kelvin.
+pub fn too_cold_for_heaters(span: Span, asked: Quantity) -> Diagnostic {
+    let title = format!("a heater does not cool to {asked}");
+    Diagnostic::new(Code::E0575, title)
+        .label(span, "below the freezing point of water")
+        .help("write it in `degC`, or state `least_temperature` of the device if its heaters also cool")
+}
+
 /// A heater with two requested temperatures.
 pub fn two_temperatures(name: &str, asked_k: f64, span: Span, first_k: f64, first: Span) -> Diagnostic {
     let text = |si: f64| Quantity::new(si, Dimension::TEMPERATURE).to_string();

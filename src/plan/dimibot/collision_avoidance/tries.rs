@@ -50,12 +50,13 @@ pub enum TryReason {
     Spent,
 }
 
-/// Point at which an attempt failed: the job, the robot in its way, and the instant.
+/// Point at which an attempt failed: the job, the robots that may be in its way, and the instant.
 #[derive(Debug, Clone)]
 pub struct TryFailure {
     pub reason: TryReason,
     pub job: usize,
-    pub with: String,
+    pub with: Vec<String>,
+    /// Job of the robot in its way, if that is known.
     pub with_job: Option<usize>,
     pub at_ns: u64,
 }
@@ -388,11 +389,15 @@ impl<'a> Try<'a, '_> {
         replanned(job, &DimibotOrder { obstacles, frame, ..order.clone() }, cell)
     }
 
+    /// A failure at another robot, or at any of those that share the scene.
     fn failure(&self, reason: TryReason, job: usize, with: Option<&str>, at_ns: u64) -> TryFailure {
         let own = self.claims.jobs[job].device.as_str();
-        let with = with.unwrap_or_else(|| self.neighbours(own).first().copied().unwrap_or_default());
-        let with_job = self.traces.get(with).and_then(|trace| trace.job);
-        TryFailure { reason, job, with: with.to_owned(), with_job, at_ns }
+        let with = with.map_or_else(|| self.neighbours(own), |with| vec![with]);
+        let with_job = match with[..] {
+            [only] => self.traces.get(only).and_then(|trace| trace.job),
+            _ => None,
+        };
+        TryFailure { reason, job, with: with.into_iter().map(str::to_owned).collect(), with_job, at_ns }
     }
 }
 
