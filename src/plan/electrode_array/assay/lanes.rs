@@ -2,7 +2,8 @@
 //!
 //! A droplet that passes a mixer on its way, or waits beside it, may keep it from being used for as long as a whole
 //! operation lasts, while a way around takes a few steps. So list scheduling also tries courses that keep off the
-//! places of all other agents.
+//! places of all other agents. Outlets are no such places: on most boards the lanes pass them, and droplets leave them
+//! soon.
 
 use super::route::RouteQuery;
 use super::{AssayProblem, Errand};
@@ -13,7 +14,7 @@ use std::collections::BTreeSet;
 /// The cells that agents keep off where they can.
 pub(super) struct Lanes<'a> {
     problem: &'a AssayProblem<'a>,
-    /// Cells near a place where an agent enters, stays, is mixed or meets another one.
+    /// Cells near a place where an agent stays, is mixed, splits or meets another one.
     reserved: FixedBitSet,
     /// The reserved cells without those near the places of one agent.
     closed: FixedBitSet,

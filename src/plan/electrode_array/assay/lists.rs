@@ -5,8 +5,8 @@
 //! that finds no course moves to the front of the next list, with the agents that it meets. Once there is a plan, local
 //! search changes its list: one agent moves to another place, or all agents of one droplet (every other time, of one
 //! that is done last) move forward. The new list is kept if it is no worse. The agents of a first list also take turns
-//! by time ([`TurnOrder`]), and the better plan counts. With many agents that is mostly the only plan. Every first list is
-//! tried with and without lanes ([`super::lanes`]).
+//! by time ([`TurnOrder`]), and the better plan counts. With many agents that is mostly the only plan. First lists are
+//! tried without lanes and, except for lists with pauses and random ones, with lanes ([`super::lanes`]).
 
 use super::bookings::NEVER;
 use super::bound::AssayBounds;
