@@ -73,7 +73,7 @@ fn robots(claims: &Claims) -> BTreeMap<&str, PlacedRobot> {
 fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnostic {
     let job: &Job = &claims.jobs[failure.job];
     let names: Vec<String> = failure.with.iter().map(|name| format!("`{name}`")).collect();
-    let (device, with) = (&job.device, names.join(" or "));
+    let (device, with) = (&job.device, names.join(" and "));
     let other = failure.with_job.map(|other| claims.jobs[other].run_span);
     let at_ms = digits(failure.at_ns as f64 / 1e6);
     let why = match failure.reason {
@@ -93,7 +93,7 @@ fn report(claims: &Claims, failure: &TryFailure) -> crate::diagnostic::Diagnosti
             errors::SeparationRemedy::OtherTimes
         }
     };
-    errors::not_apart([device.as_str(), &names.join(" and ")], job.run_span, &why, other, help)
+    errors::not_apart([device.as_str(), &with], job.run_span, &why, other, help)
 }
 
 /// A plan with delays before its pulses, on the robot's own best path or on a detour. Its bounds are those of the robot

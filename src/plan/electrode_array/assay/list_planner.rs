@@ -59,7 +59,8 @@ pub(super) struct ListPlanner<'a, 'm> {
     awaited: FxHashSet<(usize, usize)>,
     /// Latest end of all courses.
     pub limit: u32,
-    lanes: Lanes<'a>,
+    /// Built for the first list that keeps to lanes.
+    lanes: Option<Lanes<'a>>,
     pub meter: &'m mut Meter,
 }
 
@@ -148,7 +149,7 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         meter: &'m mut Meter,
     ) -> ListPlanner<'a, 'm> {
         let (router, links, awaited) = (Router::new(problem, ahead), TurnLinks::new(problem), problem.awaited());
-        ListPlanner { problem, ahead, router, bounds, links, awaited, limit: NEVER, lanes: Lanes::new(problem), meter }
+        ListPlanner { problem, ahead, router, bounds, links, awaited, limit: NEVER, lanes: None, meter }
     }
 
     /// Whether some agent has more than one split.
@@ -315,7 +316,10 @@ impl<'a, 'm> ListPlanner<'a, 'm> {
         let allowed = COURSE_STEPS + STEPS_PER_CELL * cells * query.waits.len() as u64;
         let (router, meter) = (&mut self.router, &mut *self.meter);
         let mut course = |closed| meter.share(allowed, |meter| router.course(query, bookings, closed, meter));
-        let closed = if query.keeps_lanes { self.lanes.closed_to(query) } else { None };
+        let closed = match query.keeps_lanes {
+            true => self.lanes.get_or_insert_with(|| Lanes::new(self.problem)).closed_to(query),
+            false => None,
+        };
         closed.and_then(|closed| course(Some(closed))).or_else(|| course(None))
     }
 
