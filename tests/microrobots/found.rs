@@ -116,6 +116,14 @@ fn a_bound_is_no_more_than_any_plan_takes() {
     assert!(driven.bound > 0.98 * applied.cost, "{}", driven.bound);
 }
 
+/// Robots in bays and beside each other: few sequences of legs save them all and lead one to its goal.
+#[test]
+fn crowded_robots_are_driven_where_few_sequences_of_legs_lead() {
+    for drive in [38, 172, 175] {
+        assert_eq!(codes(&format!("microrobots-crowded-drive-{drive}")), NONE, "drive {drive}");
+    }
+}
+
 #[test]
 fn a_search_that_ends_is_no_proof() {
     assert_eq!(codes("microrobots-false-e0601-bystander"), ["E0602"]);

@@ -4,13 +4,16 @@
 pub mod assembly;
 pub mod bound;
 pub mod collision_proof;
+pub mod confinement;
 pub mod control;
 pub mod drive;
 pub mod fine;
 pub mod free;
 pub mod guarantee;
 mod guarantee_trials;
+mod initial_leg_changes;
 pub mod initial_leg_search;
+pub mod initial_leg_tree;
 pub mod initial_legs;
 mod job;
 pub mod paths;

@@ -1,7 +1,8 @@
 //! Explains a step of microrobots without a plan: which robot, which orbit, which obstacle.
 
 use super::assembly::{RobotBlocker, StuckAssembly};
-use super::collision_proof::InevitableCollision;
+use super::collision_proof::{InevitableCollision, StaticCollision};
+use super::confinement::{Confinement, PathEnd};
 use super::drive::{self, DriveBlocker, StuckReason};
 use super::guarantee::message;
 use super::world::{Collision, FirstCollision};
@@ -145,27 +146,91 @@ impl BedReasons<'_> {
         }
     }
 
-    /// Report of a robot that meets an obstacle before the step can end: a proof.
+    /// Report of collisions one of which happens before the step can end: a proof.
     pub fn inevitable_collision(&self, collision: &InevitableCollision, strokes: u64) -> Diagnostic {
-        let name = self.name(collision.robot);
-        let obstacles = collision.obstacles.iter().map(|index| format!("`{}`", self.order.obstacles[*index].name));
-        let obstacles = obstacles.collect::<Vec<_>>().join(" or ");
-        let needed_um = strokes as f64 * self.order.robot(collision.robot).step_um;
+        let robots = collision.robots();
+        let step_um = robots.iter().map(|robot| self.order.robot(*robot).step_um).fold(0.0, f64::max);
         let title = format!(
-            "{name} comes nearer than {} to {obstacles} within {} of path, whatever control states are applied; the \
-             strokes of this step drive it at least {}",
-            length(self.order.facts.clearance_um),
-            length(collision.way_um),
-            length(needed_um)
+            "{} within {} of path, whatever control states are applied; the strokes of this step drive {} at least {}",
+            self.inevitable_text(collision),
+            length(collision.strokes * step_um),
+            if robots.len() == 1 { "it" } else { "them" },
+            length(strokes as f64 * step_um)
         );
-        let robot = self.order.robots[collision.robot].span;
-        let diagnostic = Diagnostic::new(Code::E0601, title)
-            .label(self.step.span, "every stroke moves all robots that have not docked")
-            .label_elsewhere(robot, self.step.span, "this holds with its arm up, down or alternating");
-        let in_the_way = collision.obstacles.iter().map(|index| self.order.obstacles[*index].span);
-        let diagnostic = in_the_way
-            .fold(diagnostic, |diagnostic, span| diagnostic.label_elsewhere(span, self.step.span, "in the way"));
-        diagnostic.help("start it elsewhere or with another heading, or make room in front of it")
+        let mut diagnostic = Diagnostic::new(Code::E0601, title)
+            .label(self.step.span, "every stroke moves all robots that have not docked");
+        let reason = match robots.len() {
+            1 => "this holds with its arm up, down or alternating",
+            _ => "no control state saves all of these robots",
+        };
+        for robot in &robots {
+            diagnostic = diagnostic.label_elsewhere(self.order.robots[*robot].span, self.step.span, reason);
+        }
+        for obstacle in collision.obstacles() {
+            let span = self.order.obstacles[obstacle].span;
+            diagnostic = diagnostic.label_elsewhere(span, self.step.span, "in the way");
+        }
+        diagnostic.help(match robots.len() {
+            1 => "start it elsewhere or with another heading, or make room in front of it",
+            _ => "start one of them elsewhere or with another heading, or make room in front of it",
+        })
+    }
+
+    /// Report of a robot that obstacles confine, or whose goal they shut off: a proof. The step drives it at least
+    /// `needed_um`.
+    pub fn confined(&self, confinement: &Confinement, goal: Span, needed_um: f64) -> Diagnostic {
+        let Confinement { end, robot, obstacles, way_um } = confinement;
+        let name = self.name(*robot);
+        let names = obstacles.iter().map(|index| format!("`{}`", self.order.obstacles[*index].name));
+        let names = names.collect::<Vec<_>>().join(" or ");
+        let [clearance, way] = [self.order.facts.clearance_um, *way_um].map(length);
+        let diagnostic = match end {
+            PathEnd::Start => {
+                let title = format!(
+                    "{name} comes nearer than {clearance} to {names} within {way} of path, whatever control states are \
+                     applied; the strokes of this step drive it at least {}",
+                    length(needed_um)
+                );
+                Diagnostic::new(Code::E0601, title)
+                    .label(self.step.span, "every stroke moves all robots that have not docked")
+                    .label_elsewhere(
+                        self.order.robots[*robot].span,
+                        self.step.span,
+                        "every longer path from here meets an obstacle",
+                    )
+                    .help("start it elsewhere or with another heading, or make room around it")
+            }
+            PathEnd::Goal => {
+                let title = format!(
+                    "every path of {name} to this pose comes nearer than {clearance} to {names} in its last {way}"
+                );
+                Diagnostic::new(Code::E0601, title).label(goal, "every longer path to here meets an obstacle").help(
+                    "choose another place or heading, or make room behind it: a robot turns to one side only and never \
+                     backs up",
+                )
+            }
+        };
+        obstacles.iter().fold(diagnostic, |diagnostic, index| {
+            diagnostic.label_elsewhere(self.order.obstacles[*index].span, self.step.span, "in the way")
+        })
+    }
+
+    /// The collisions one of which happens, as a sentence.
+    fn inevitable_text(&self, collision: &InevitableCollision) -> String {
+        let clearance = length(self.order.facts.clearance_um);
+        let of = |robot: usize| {
+            let partners = collision.collisions.iter().filter_map(|one| match *one {
+                StaticCollision::Obstacle { robot: at, obstacle } if at == robot => {
+                    Some(format!("`{}`", self.order.obstacles[obstacle].name))
+                }
+                StaticCollision::Robots { robot: at, other } if at == robot => Some(self.name(other)),
+                StaticCollision::Obstacle { .. } | StaticCollision::Robots { .. } => None,
+            });
+            let partners = partners.collect::<Vec<_>>().join(" or ");
+            (!partners.is_empty()).then(|| format!("{} comes nearer than {clearance} to {partners}", self.name(robot)))
+        };
+        let sentences: Vec<String> = collision.robots().into_iter().filter_map(of).collect();
+        sentences.join(", or ")
     }
 
     /// Further condition on a control state, if anything has docked.

@@ -1,35 +1,43 @@
-//! Proofs of inevitable collisions compared with all sequences of arm positions on a coarse clock, by independent
+//! Proofs of inevitable collisions compared with all sequences of control states on a coarse clock, by independent
 //! motion and distances.
 
 use super::*;
-use crate::device::microrobots::Turning;
+use crate::device::microrobots::{Robot, Turning};
 use crate::geometry::Shape;
 use crate::plan::microrobots::world::fixture::{bed, obstacle, pose, robot};
 use crate::random::SplitMix64;
 
-/// A bed with one robot, discs, and the clearance of the fixture.
+/// A bed with one or two robots, discs, and the clearance of the fixture.
 struct Trap {
     radius_um: f64,
     turning: Turning,
-    start: Pose,
+    /// The second robot's arm is down only if the first one's is.
+    starts: Vec<Pose>,
     /// Middle and radius of each disc.
     discs: Vec<([f64; 2], f64)>,
 }
 
-/// Pieces of a sequence of arm positions.
+/// Pieces of a sequence of control states.
 const PIECES: u32 = 12;
+const PIECES_OF_TWO: u32 = 8;
 
 const KEEP_UM: f64 = 10.0;
 const HALF_UM: [f64; 2] = [125.0, 30.0];
+const STEP_UM: f64 = 0.015;
 
 impl Trap {
     fn inevitable_collision(&self, needed_um: f64) -> Option<InevitableCollision> {
-        let facts = crate::device::microrobots::Robot { turning: self.turning, ..robot("D1", self.radius_um, 0.015) };
+        let facts = |label: &str| Robot { turning: self.turning, ..robot(label, self.radius_um, STEP_UM) };
         let discs = self.discs.iter().map(|([x_um, y_um], radius_um)| {
             obstacle("o", Shape::Disc { radius_um: *radius_um }, pose(*x_um, *y_um, 0.0))
         });
-        let order = bed(vec![(facts, self.start)], discs.collect());
-        inevitable_collision(&CollisionWorld::new(&order), 0, self.start, needed_um)
+        let placed = self.starts.iter().zip(["D1", "D2"]).map(|(start, label)| (facts(label), *start));
+        let order = bed(placed.collect(), discs.collect());
+        let robots: Vec<usize> = (0..self.starts.len()).collect();
+        let bed = BedPoses::new(self.starts.clone(), vec![false; self.starts.len()]);
+        let needed = needed_um / STEP_UM;
+        let world = CollisionWorld::new(&order);
+        CollisionQuestion { world: &world, bed: &bed, robots: &robots, keep_apart: true, needed }.inevitable()
     }
 
     /// Whether a body at a pose keeps the clearance, by distances of discs in its own frame.
@@ -50,17 +58,47 @@ impl Trap {
         [x + curve_um * (later.sin() - heading.sin()), y - curve_um * (later.cos() - heading.cos()), later]
     }
 
-    /// Whether some sequence of `pieces` pieces, each with the arm up or down, is free at the end of every piece.
-    fn survives(&self, place: [f64; 3], pieces: u32, piece_um: f64) -> bool {
-        let goes_on = |is_down: &bool| {
-            let next = self.gone(place, piece_um, *is_down);
-            self.is_free(next) && self.survives(next, pieces - 1, piece_um)
+    /// Whether two bodies keep the clearance: neither has points of the other's outline near it.
+    fn are_apart(&self, one: [f64; 3], other: [f64; 3]) -> bool {
+        let corners = |[x, y, heading]: [f64; 3]| {
+            let (sin, cos) = heading.sin_cos();
+            [(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)].map(|(along, across)| {
+                let [a, b] = [along * HALF_UM[0], across * HALF_UM[1]];
+                [x + a * cos - b * sin, y + a * sin + b * cos]
+            })
         };
-        pieces == 0 || [false, true].iter().any(goes_on)
+        let far_um = |[x, y, heading]: [f64; 3], point: [f64; 2]| {
+            let (dx, dy, sin, cos) = (point[0] - x, point[1] - y, heading.sin(), heading.cos());
+            let (along, across) = ((dx * cos + dy * sin).abs() - HALF_UM[0], (dy * cos - dx * sin).abs() - HALF_UM[1]);
+            along.max(0.0).hypot(across.max(0.0))
+        };
+        // Fifty points of each side are closer to each other than what may be overlooked.
+        let outline = |place: [f64; 3]| {
+            let corners = corners(place);
+            (0..200).map(move |at| {
+                let (side, share) = (at / 50, f64::from(at as u32 % 50) / 50.0);
+                let [from, to] = [corners[side], corners[(side + 1) % 4]];
+                [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
+            })
+        };
+        let is_clear = |body: [f64; 3], other| outline(other).all(|point| far_um(body, point) >= KEEP_UM);
+        is_clear(one, other) && is_clear(other, one)
     }
 
-    fn place(&self) -> [f64; 3] {
-        [self.start.x_um, self.start.y_um, self.start.heading_rad]
+    /// Whether some sequence of `pieces` pieces, each in one of the control states, is free at the end of every piece.
+    fn survives(&self, places: &[[f64; 3]], pieces: u32, piece_um: f64) -> bool {
+        let goes_on = |lowered: usize| {
+            let next: Vec<[f64; 3]> =
+                places.iter().enumerate().map(|(at, place)| self.gone(*place, piece_um, at < lowered)).collect();
+            let is_free = next.iter().all(|place| self.is_free(*place))
+                && next.windows(2).all(|pair| self.are_apart(pair[0], pair[1]));
+            is_free && self.survives(&next, pieces - 1, piece_um)
+        };
+        pieces == 0 || (0..=places.len()).any(goes_on)
+    }
+
+    fn places(&self) -> Vec<[f64; 3]> {
+        self.starts.iter().map(|start| [start.x_um, start.y_um, start.heading_rad]).collect()
     }
 }
 
@@ -75,7 +113,12 @@ fn trap(random: &mut SplitMix64) -> Trap {
         ([start.x_um + far_um * cos, start.y_um + far_um * sin], radius_um)
     };
     let discs = (0..1 + random.below(3)).map(|_| disc(random)).collect();
-    Trap { radius_um: 80.0 + 160.0 * random.unit(), turning, start, discs }
+    Trap { radius_um: 80.0 + 160.0 * random.unit(), turning, starts: vec![start], discs }
+}
+
+/// Path to which the strokes of a proof amount.
+fn way_um(collision: &InevitableCollision) -> f64 {
+    collision.strokes * STEP_UM
 }
 
 #[test]
@@ -84,29 +127,58 @@ fn a_robot_with_a_proof_survives_no_sequence_of_arm_positions() {
     let (mut proven, mut lost) = (0, 0);
     for _ in 0..400 {
         let trap = trap(&mut random);
-        if !trap.is_free(trap.place()) {
+        if !trap.is_free(trap.places()[0]) {
             continue;
         }
         match trap.inevitable_collision(1e6) {
             Some(collision) => {
                 proven += 1;
                 assert!(
-                    !trap.survives(trap.place(), PIECES, collision.way_um / f64::from(PIECES)),
+                    !trap.survives(&trap.places(), PIECES, way_um(&collision) / f64::from(PIECES)),
                     "{:?} {:?}",
-                    trap.start,
+                    trap.starts,
                     trap.discs
                 );
-                assert!(
-                    collision.obstacles.iter().all(|obstacle| *obstacle < trap.discs.len())
-                        && !collision.obstacles.is_empty()
-                );
-                assert_eq!(trap.inevitable_collision(collision.way_um * 0.99), None, "that far it may come");
+                let obstacles = collision.obstacles();
+                assert!(obstacles.iter().all(|obstacle| *obstacle < trap.discs.len()) && !obstacles.is_empty());
+                assert_eq!(trap.inevitable_collision(way_um(&collision) * 0.99), None, "that far it may come");
             }
-            None => lost += u64::from(!trap.survives(trap.place(), PIECES, 150.0 / f64::from(PIECES))),
+            None => lost += u64::from(!trap.survives(&trap.places(), PIECES, 150.0 / f64::from(PIECES))),
         }
     }
     println!("{proven} proven, {lost} more survive no sequence");
     assert!(proven > 60 && 10 * lost < proven, "{proven} proven, {lost} more survive no sequence");
+}
+
+/// A second robot beside the first one, which is often in its way.
+fn trap_of_two(random: &mut SplitMix64) -> Trap {
+    let mut trap = trap(random);
+    let start = trap.starts[0];
+    let (sin, cos) = (start.heading_rad + 1.4 * random.signed_unit()).sin_cos();
+    let far_um = 170.0 + 160.0 * random.unit();
+    let heading_deg = start.heading_rad.to_degrees() + 180.0 + 150.0 * random.signed_unit();
+    trap.starts.push(pose(start.x_um + far_um * cos, start.y_um + far_um * sin, heading_deg));
+    trap
+}
+
+#[test]
+fn two_robots_with_a_proof_survive_no_sequence_of_control_states() {
+    let mut random = SplitMix64::new(43);
+    let (mut proven, mut together) = (0, 0);
+    for _ in 0..800 {
+        let trap = trap_of_two(&mut random);
+        let places = trap.places();
+        if !places.iter().all(|place| trap.is_free(*place)) || !trap.are_apart(places[0], places[1]) {
+            continue;
+        }
+        let Some(collision) = trap.inevitable_collision(1e6) else { continue };
+        proven += 1;
+        together += u64::from(collision.robots().len() == 2);
+        let piece_um = way_um(&collision) / f64::from(PIECES_OF_TWO);
+        assert!(!trap.survives(&places, PIECES_OF_TWO, piece_um), "{:?} {:?}", trap.starts, trap.discs);
+    }
+    println!("{proven} proven, {together} of them for both robots");
+    assert!(proven > 80 && together > 20, "{proven} proven, {together} of them for both robots");
 }
 
 /// The same disc, ahead and a little beside: past the second one the robot turns away.
@@ -115,11 +187,11 @@ fn a_robot_before_a_disc_must_meet_it_and_one_that_turns_past_it_need_not() {
     let at = |y_um: f64| Trap {
         radius_um: 160.0,
         turning: Turning::Clockwise,
-        start: pose(0.0, 0.0, 0.0),
+        starts: vec![pose(0.0, 0.0, 0.0)],
         discs: vec![([125.0 + 30.0 + 100.0, y_um], 100.0)],
     };
     let collision = at(0.0).inevitable_collision(1_000.0).expect("it runs or turns into the disc");
-    assert!(collision.obstacles == [0] && (20.0..60.0).contains(&collision.way_um), "{collision:?}");
+    assert!(collision.obstacles() == [0] && (20.0..60.0).contains(&way_um(&collision)), "{collision:?}");
     assert_eq!(at(0.0).inevitable_collision(10.0), None);
     assert_eq!(at(120.0).inevitable_collision(1_000.0), None);
 }

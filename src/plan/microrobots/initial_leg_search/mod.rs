@@ -11,6 +11,7 @@
 
 mod estimate;
 
+use super::initial_leg_changes::{LegChanges, merge_equal};
 use super::initial_legs::InitialLegs;
 use super::world::{BedPoses, CollisionWorld};
 use super::{Leg, RobotDocking};
@@ -31,24 +32,13 @@ const FIRST_LEGS: usize = 4;
 /// Upper limit, at the beginning, of the path by which a change may worsen the estimate.
 const HEAT_UM: f64 = 400.0;
 
-/// Largest change of a leg, in micrometres, the factor from one scale to the next, and the number of scales.
-const CHANGE_UM: f64 = 1_600.0;
-const SCALE_SHARE: f64 = 0.3;
-const SCALES: usize = 4;
-
-/// Legs shorter than this are left out, in micrometres.
-const SHORTEST_UM: f64 = 2.0;
-
 /// Search for the initial legs of an assembly.
 pub struct InitialLegSearch<'a> {
     order: &'a MicrorobotsOrder,
     world: &'a CollisionWorld,
     bed: &'a BedPoses,
     estimate: AssemblyEstimate,
-    /// Control states that keep the arms of docked robots up.
-    states: Vec<usize>,
-    /// Path of the fastest robot in one stroke.
-    step_um: f64,
+    changes: LegChanges,
 }
 
 /// Candidate legs, and the cost of them and of the assembly after them, in strokes.
@@ -68,35 +58,25 @@ impl<'a> InitialLegSearch<'a> {
         bed: &'a BedPoses,
         docks: &[Dock],
     ) -> Option<InitialLegSearch<'a>> {
-        let states: Vec<usize> =
-            (0..world.state_count()).filter(|state| world.keeps_docked_arms_up(*state, &bed.docked)).collect();
-        let moving = (0..world.count()).filter(|robot| !bed.docked[*robot]);
-        let step_um = moving.map(|robot| order.robot(robot).step_um).fold(0.0, f64::max);
+        let changes = LegChanges::new(order, world, &bed.docked)?;
         let estimate = AssemblyEstimate::new(roomy, world, bed, docks)?;
-        (step_um > 0.0 && !states.is_empty()).then_some(InitialLegSearch {
-            order,
-            world,
-            bed,
-            estimate,
-            states,
-            step_um,
-        })
+        Some(InitialLegSearch { order, world, bed, estimate, changes })
     }
 
     /// Runs one descent and returns its best initial legs; `None` if it is best to have none.
     pub fn descend(&self, seed: u64) -> Option<InitialLegs> {
-        let mut random = SplitMix64::stream(seed, self.states.len() as u64);
+        let mut random = SplitMix64::stream(seed, self.changes.state_count() as u64);
         let mut now = self.beginning(seed, &mut random);
         let mut best = now.clone();
         for round in 0..ROUNDS {
             let mut legs = now.legs.clone();
             for _ in 0..=random.below(2) {
-                self.change(&mut legs, &mut random);
+                self.changes.change(&mut legs, &mut random);
             }
-            tidy(&mut legs, (SHORTEST_UM / self.step_um) as u64);
+            self.changes.tidy(&mut legs);
             let cost = self.cost(&legs);
             let cooled = 1.0 - round as f64 / ROUNDS as f64;
-            let allowed = HEAT_UM / self.step_um * cooled * cooled * random.unit();
+            let allowed = HEAT_UM / self.changes.step_um() * cooled * cooled * random.unit();
             if cost < now.cost + allowed && legs.len() <= MAX_LEGS && self.is_free(&legs) {
                 now = InitialLegsCandidate { legs, cost };
                 if now.cost < best.cost {
@@ -110,8 +90,8 @@ impl<'a> InitialLegSearch<'a> {
     /// Changes initial legs by one random change; `None` if they stay the same, meet something or become empty.
     pub fn varied(&self, initial: &InitialLegs, random: &mut SplitMix64) -> Option<InitialLegs> {
         let mut legs = initial.legs.clone();
-        self.change(&mut legs, random);
-        tidy(&mut legs, (SHORTEST_UM / self.step_um) as u64);
+        self.changes.change(&mut legs, random);
+        self.changes.tidy(&mut legs);
         let is_new = legs != initial.legs && self.is_free(&legs);
         is_new.then(|| self.followed(legs)).flatten()
     }
@@ -126,49 +106,15 @@ impl<'a> InitialLegSearch<'a> {
         let mut legs = Vec::new();
         if seed % 4 != 1 {
             for _ in 0..=random.below(FIRST_LEGS) {
-                legs.push(self.leg(random));
+                legs.push(self.changes.leg(random));
             }
-            tidy(&mut legs, 1);
+            merge_equal(&mut legs);
             if !self.is_free(&legs) {
                 legs.clear();
             }
         }
         let cost = self.cost(&legs);
         InitialLegsCandidate { legs, cost }
-    }
-
-    fn leg(&self, random: &mut SplitMix64) -> Leg {
-        let state = self.states[random.below(self.states.len())];
-        let way_um = CHANGE_UM * random.unit() * random.unit();
-        Leg { state, strokes: (way_um / self.step_um) as u64 + 1 }
-    }
-
-    /// One random change.
-    fn change(&self, legs: &mut Vec<Leg>, random: &mut SplitMix64) {
-        if legs.is_empty() {
-            return legs.push(self.leg(random));
-        }
-        let at = random.below(legs.len());
-        match random.below(8) {
-            0 | 1 => legs.insert(random.below(legs.len() + 1), self.leg(random)),
-            2 => {
-                legs.remove(at);
-            }
-            3 => legs[at].state = self.states[random.below(self.states.len())],
-            4 => {
-                let (other, strokes) = (random.below(legs.len()), self.some_strokes(random));
-                let moved = strokes.clamp(-(legs[at].strokes as i64), legs[other].strokes as i64);
-                legs[at].strokes = legs[at].strokes.saturating_add_signed(moved);
-                legs[other].strokes = legs[other].strokes.saturating_add_signed(-moved);
-            }
-            _ => legs[at].strokes = legs[at].strokes.saturating_add_signed(self.some_strokes(random)),
-        }
-    }
-
-    /// Random number of strokes of either sign, on one of several scales.
-    fn some_strokes(&self, random: &mut SplitMix64) -> i64 {
-        let scale = (0..random.below(SCALES)).fold(1.0, |scale, _| scale * SCALE_SHARE);
-        (random.signed_unit() * scale * CHANGE_UM / self.step_um) as i64
     }
 
     fn is_free(&self, legs: &[Leg]) -> bool {
@@ -187,15 +133,3 @@ impl<'a> InitialLegSearch<'a> {
 }
 
 const NO_DOCKS: [RobotDocking; 0] = [];
-
-/// Leaves out short legs and merges consecutive ones of the same state.
-fn tidy(legs: &mut Vec<Leg>, least: u64) {
-    legs.retain(|leg| leg.strokes >= least.max(1));
-    legs.dedup_by(|later, earlier| {
-        let is_same = later.state == earlier.state;
-        if is_same {
-            earlier.strokes = earlier.strokes.saturating_add(later.strokes);
-        }
-        is_same
-    });
-}

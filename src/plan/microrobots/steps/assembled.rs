@@ -13,11 +13,11 @@ use super::super::initial_leg_search::InitialLegSearch;
 use super::super::initial_legs::InitialLegs;
 use super::super::world::{BedPoses, FirstCollision};
 use super::super::{AssemblyStage, Leg, MicrorobotsStepMotion};
+use super::proofs::ProofEffort;
 use super::{BEST_SEED, BedStepPlanner, INITIAL_LEGS_SHARE, InitialLegChoice, MAX_INITIAL_DRAWS};
-use crate::claims::microrobots::Dock;
+use crate::claims::microrobots::{Dock, MicrorobotsStop};
 use crate::device::microrobots::MicrorobotsObjective;
 use crate::diagnostic::Sink;
-use crate::geometry::Pose;
 use crate::plan::search::{Meter, SearchBudget};
 use crate::plan::watch::IncumbentPlan;
 use crate::random::SplitMix64;
@@ -57,9 +57,9 @@ impl BedStepPlanner<'_> {
         let is_in_vain =
             matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
         if let (Err(_), false) = (&direct, is_in_vain) {
-            let goals: Vec<(usize, Pose)> = docks.iter().map(|dock| (dock.robot, dock.goal.pose)).collect();
-            if let Some((collision, strokes)) = self.inevitable_collision(&goals) {
-                sink.push(self.why().inevitable_collision(&collision, strokes));
+            let goals: Vec<(usize, &MicrorobotsStop)> = docks.iter().map(|dock| (dock.robot, &dock.goal)).collect();
+            if let Some(proof) = self.no_plan(&goals, ProofEffort::Thorough) {
+                sink.push(proof);
                 return None;
             }
         }
