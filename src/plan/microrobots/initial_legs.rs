@@ -1,6 +1,6 @@
-//! Initial legs of a step, drawn at random: the whole bed moves before the step proper, which then finds more room or a
-//! faster way. Assemblies search for their initial legs ([`super::initial_leg_search`]) and draw them only if that
-//! finds none.
+//! Initial legs of a step: the whole bed moves before the step proper, which then finds more room or a faster way.
+//! Drives take them from a random tree ([`super::initial_leg_tree`]). Assemblies search for theirs
+//! ([`super::initial_leg_search`]), and draw them at random, as here, only if that finds none.
 //!
 //! Problem: every robot moves with every stroke, so what stands in the way of a step, and which orbit lies over a goal,
 //! depend on where the step begins. Method: random sequences of a few legs in control states that keep docked arms up,

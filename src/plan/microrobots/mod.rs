@@ -6,6 +6,8 @@ pub mod bound;
 pub mod collision_proof;
 pub mod confinement;
 pub mod control;
+#[cfg(test)]
+mod disc_oracle;
 pub mod drive;
 pub mod fine;
 pub mod free;

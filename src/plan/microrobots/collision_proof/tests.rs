@@ -2,108 +2,49 @@
 //! motion and distances.
 
 use super::*;
-use crate::device::microrobots::{Robot, Turning};
-use crate::geometry::Shape;
-use crate::plan::microrobots::world::fixture::{bed, obstacle, pose, robot};
+use crate::device::microrobots::Turning;
+use crate::plan::microrobots::disc_oracle::{DiscBed, STEP_UM, are_apart, place, turning};
+use crate::plan::microrobots::world::fixture::pose;
 use crate::random::SplitMix64;
 
-/// A bed with one or two robots, discs, and the clearance of the fixture.
+/// One or two robots among discs.
 struct Trap {
-    radius_um: f64,
-    turning: Turning,
-    /// The second robot's arm is down only if the first one's is.
+    bed: DiscBed,
     starts: Vec<Pose>,
-    /// Middle and radius of each disc.
-    discs: Vec<([f64; 2], f64)>,
 }
 
 /// Pieces of a sequence of control states.
 const PIECES: u32 = 12;
 const PIECES_OF_TWO: u32 = 8;
 
-const KEEP_UM: f64 = 10.0;
-const HALF_UM: [f64; 2] = [125.0, 30.0];
-const STEP_UM: f64 = 0.015;
-
 impl Trap {
     fn inevitable_collision(&self, needed_um: f64) -> Option<InevitableCollision> {
-        let facts = |label: &str| Robot { turning: self.turning, ..robot(label, self.radius_um, STEP_UM) };
-        let discs = self.discs.iter().map(|([x_um, y_um], radius_um)| {
-            obstacle("o", Shape::Disc { radius_um: *radius_um }, pose(*x_um, *y_um, 0.0))
-        });
-        let placed = self.starts.iter().zip(["D1", "D2"]).map(|(start, label)| (facts(label), *start));
-        let order = bed(placed.collect(), discs.collect());
         let robots: Vec<usize> = (0..self.starts.len()).collect();
         let bed = BedPoses::new(self.starts.clone(), vec![false; self.starts.len()]);
         let needed = needed_um / STEP_UM;
-        let world = CollisionWorld::new(&order);
+        let world = CollisionWorld::new(&self.bed.order(&self.starts));
         CollisionQuestion { world: &world, bed: &bed, robots: &robots, keep_apart: true, needed }.inevitable()
-    }
-
-    /// Whether a body at a pose keeps the clearance, by distances of discs in its own frame.
-    fn is_free(&self, [x, y, heading]: [f64; 3]) -> bool {
-        self.discs.iter().all(|([disc_x, disc_y], radius_um)| {
-            let (dx, dy, sin, cos) = (disc_x - x, disc_y - y, heading.sin(), heading.cos());
-            let (along, across) = ((dx * cos + dy * sin).abs() - HALF_UM[0], (dy * cos - dx * sin).abs() - HALF_UM[1]);
-            along.max(0.0).hypot(across.max(0.0)) - radius_um >= KEEP_UM
-        })
-    }
-
-    fn gone(&self, [x, y, heading]: [f64; 3], way_um: f64, is_down: bool) -> [f64; 3] {
-        if !is_down {
-            return [x + way_um * heading.cos(), y + way_um * heading.sin(), heading];
-        }
-        let curve_um = self.turning.sign() * self.radius_um;
-        let later = heading + way_um / curve_um;
-        [x + curve_um * (later.sin() - heading.sin()), y - curve_um * (later.cos() - heading.cos()), later]
-    }
-
-    /// Whether two bodies keep the clearance: neither has points of the other's outline near it.
-    fn are_apart(&self, one: [f64; 3], other: [f64; 3]) -> bool {
-        let corners = |[x, y, heading]: [f64; 3]| {
-            let (sin, cos) = heading.sin_cos();
-            [(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)].map(|(along, across)| {
-                let [a, b] = [along * HALF_UM[0], across * HALF_UM[1]];
-                [x + a * cos - b * sin, y + a * sin + b * cos]
-            })
-        };
-        let far_um = |[x, y, heading]: [f64; 3], point: [f64; 2]| {
-            let (dx, dy, sin, cos) = (point[0] - x, point[1] - y, heading.sin(), heading.cos());
-            let (along, across) = ((dx * cos + dy * sin).abs() - HALF_UM[0], (dy * cos - dx * sin).abs() - HALF_UM[1]);
-            along.max(0.0).hypot(across.max(0.0))
-        };
-        // Fifty points of each side are closer to each other than what may be overlooked.
-        let outline = |place: [f64; 3]| {
-            let corners = corners(place);
-            (0..200).map(move |at| {
-                let (side, share) = (at / 50, f64::from(at as u32 % 50) / 50.0);
-                let [from, to] = [corners[side], corners[(side + 1) % 4]];
-                [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
-            })
-        };
-        let is_clear = |body: [f64; 3], other| outline(other).all(|point| far_um(body, point) >= KEEP_UM);
-        is_clear(one, other) && is_clear(other, one)
     }
 
     /// Whether some sequence of `pieces` pieces, each in one of the control states, is free at the end of every piece.
     fn survives(&self, places: &[[f64; 3]], pieces: u32, piece_um: f64) -> bool {
         let goes_on = |lowered: usize| {
             let next: Vec<[f64; 3]> =
-                places.iter().enumerate().map(|(at, place)| self.gone(*place, piece_um, at < lowered)).collect();
-            let is_free = next.iter().all(|place| self.is_free(*place))
-                && next.windows(2).all(|pair| self.are_apart(pair[0], pair[1]));
+                places.iter().enumerate().map(|(at, place)| self.bed.gone(*place, piece_um, at < lowered)).collect();
+            let is_free = next.iter().all(|place| self.bed.is_free(*place))
+                && next.windows(2).all(|pair| are_apart(pair[0], pair[1]));
             is_free && self.survives(&next, pieces - 1, piece_um)
         };
         pieces == 0 || (0..=places.len()).any(goes_on)
     }
 
     fn places(&self) -> Vec<[f64; 3]> {
-        self.starts.iter().map(|start| [start.x_um, start.y_um, start.heading_rad]).collect()
+        self.starts.iter().map(|start| place(*start)).collect()
     }
 }
 
 fn trap(random: &mut SplitMix64) -> Trap {
-    let turning = if random.below(2) == 0 { Turning::Clockwise } else { Turning::Counterclockwise };
+    let turning = turning(random);
     let start = pose(100.0 * random.unit(), 100.0 * random.unit(), 360.0 * random.unit());
     let disc = |random: &mut SplitMix64| {
         let (radius_um, turn, gap_um) =
@@ -113,7 +54,8 @@ fn trap(random: &mut SplitMix64) -> Trap {
         ([start.x_um + far_um * cos, start.y_um + far_um * sin], radius_um)
     };
     let discs = (0..1 + random.below(3)).map(|_| disc(random)).collect();
-    Trap { radius_um: 80.0 + 160.0 * random.unit(), turning, starts: vec![start], discs }
+    let bed = DiscBed { radius_um: 80.0 + 160.0 * random.unit(), turning, discs };
+    Trap { bed, starts: vec![start] }
 }
 
 /// Path to which the strokes of a proof amount.
@@ -127,7 +69,7 @@ fn a_robot_with_a_proof_survives_no_sequence_of_arm_positions() {
     let (mut proven, mut lost) = (0, 0);
     for _ in 0..400 {
         let trap = trap(&mut random);
-        if !trap.is_free(trap.places()[0]) {
+        if !trap.bed.is_free(trap.places()[0]) {
             continue;
         }
         match trap.inevitable_collision(1e6) {
@@ -137,10 +79,10 @@ fn a_robot_with_a_proof_survives_no_sequence_of_arm_positions() {
                     !trap.survives(&trap.places(), PIECES, way_um(&collision) / f64::from(PIECES)),
                     "{:?} {:?}",
                     trap.starts,
-                    trap.discs
+                    trap.bed.discs
                 );
                 let obstacles = collision.obstacles();
-                assert!(obstacles.iter().all(|obstacle| *obstacle < trap.discs.len()) && !obstacles.is_empty());
+                assert!(obstacles.iter().all(|obstacle| *obstacle < trap.bed.discs.len()) && !obstacles.is_empty());
                 assert_eq!(trap.inevitable_collision(way_um(&collision) * 0.99), None, "that far it may come");
             }
             None => lost += u64::from(!trap.survives(&trap.places(), PIECES, 150.0 / f64::from(PIECES))),
@@ -168,14 +110,14 @@ fn two_robots_with_a_proof_survive_no_sequence_of_control_states() {
     for _ in 0..800 {
         let trap = trap_of_two(&mut random);
         let places = trap.places();
-        if !places.iter().all(|place| trap.is_free(*place)) || !trap.are_apart(places[0], places[1]) {
+        if !places.iter().all(|place| trap.bed.is_free(*place)) || !are_apart(places[0], places[1]) {
             continue;
         }
         let Some(collision) = trap.inevitable_collision(1e6) else { continue };
         proven += 1;
         together += u64::from(collision.robots().len() == 2);
         let piece_um = way_um(&collision) / f64::from(PIECES_OF_TWO);
-        assert!(!trap.survives(&places, PIECES_OF_TWO, piece_um), "{:?} {:?}", trap.starts, trap.discs);
+        assert!(!trap.survives(&places, PIECES_OF_TWO, piece_um), "{:?} {:?}", trap.starts, trap.bed.discs);
     }
     println!("{proven} proven, {together} of them for both robots");
     assert!(proven > 80 && together > 20, "{proven} proven, {together} of them for both robots");
@@ -185,10 +127,12 @@ fn two_robots_with_a_proof_survive_no_sequence_of_control_states() {
 #[test]
 fn a_robot_before_a_disc_must_meet_it_and_one_that_turns_past_it_need_not() {
     let at = |y_um: f64| Trap {
-        radius_um: 160.0,
-        turning: Turning::Clockwise,
+        bed: DiscBed {
+            radius_um: 160.0,
+            turning: Turning::Clockwise,
+            discs: vec![([125.0 + 30.0 + 100.0, y_um], 100.0)],
+        },
         starts: vec![pose(0.0, 0.0, 0.0)],
-        discs: vec![([125.0 + 30.0 + 100.0, y_um], 100.0)],
     };
     let collision = at(0.0).inevitable_collision(1_000.0).expect("it runs or turns into the disc");
     assert!(collision.obstacles() == [0] && (20.0..60.0).contains(&way_um(&collision)), "{collision:?}");

@@ -14,7 +14,7 @@
 //! greatest slope and cut where the body meets an obstacle. That is tested for cells of the column: a cell is closed if,
 //! at its middle and the middle heading, the body is nearer to an obstacle than the clearance by more than any pose of
 //! the cell is off. If a slice is reached nowhere, no path turns so far. How far a path can have run by then follows from
-//! where the centre can be ([`PathPart`]); if all paths are shorter than needed, there is no plan. Paths to a goal are
+//! where the centre can be (`PathPart`); if all paths are shorter than needed, there is no plan. Paths to a goal are
 //! paths from it in reversed time: those of a robot that faces and turns the other way.
 //!
 //! Promise: a proof for every schedule that the verifier accepts, since it is looser than the collision rules by

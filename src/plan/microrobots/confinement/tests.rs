@@ -3,14 +3,11 @@
 
 use super::*;
 use crate::claims::microrobots::Precision;
-use crate::device::microrobots::{Robot, Turning};
-use crate::geometry::Shape;
+use crate::device::microrobots::Turning;
 use crate::plan::microrobots::bound::together::EXACT;
-use crate::plan::microrobots::world::fixture::{bed, obstacle, pose, robot};
+use crate::plan::microrobots::disc_oracle::{DiscBed, place, turning};
+use crate::plan::microrobots::world::fixture::pose;
 use crate::random::SplitMix64;
-
-const KEEP_UM: f64 = 10.0;
-const HALF_UM: [f64; 2] = [125.0, 30.0];
 
 /// Pieces of a sequence of arm positions.
 const PIECES: u32 = 14;
@@ -20,57 +17,30 @@ const PARTS: u32 = 4;
 
 /// A robot among discs.
 struct Bay {
-    radius_um: f64,
-    turning: Turning,
+    bed: DiscBed,
     pose: Pose,
     slack: Precision,
-    /// Middle and radius of each disc.
-    discs: Vec<([f64; 2], f64)>,
 }
 
 impl Bay {
     fn confinement(&self, end: PathEnd, needed_um: f64) -> Option<Confinement> {
-        let facts = Robot { turning: self.turning, ..robot("D1", self.radius_um, 0.015) };
-        let discs = self.discs.iter().map(|([x_um, y_um], radius_um)| {
-            obstacle("o", Shape::Disc { radius_um: *radius_um }, pose(*x_um, *y_um, 0.0))
-        });
-        let order = bed(vec![(facts, self.pose)], discs.collect());
         let near = PoseWithin { pose: self.pose, slack: self.slack };
-        let world = CollisionWorld::new(&order);
+        let world = CollisionWorld::new(&self.bed.order(&[self.pose]));
         ConfinementQuestion { world: &world, robot: 0, near, end, needed_um }.confinement(&RESOLUTIONS)
-    }
-
-    /// Whether a body at a pose keeps the clearance, by distances of discs in its own frame.
-    fn is_free(&self, [x, y, heading]: [f64; 3]) -> bool {
-        self.discs.iter().all(|([disc_x, disc_y], radius_um)| {
-            let (dx, dy, sin, cos) = (disc_x - x, disc_y - y, heading.sin(), heading.cos());
-            let (along, across) = ((dx * cos + dy * sin).abs() - HALF_UM[0], (dy * cos - dx * sin).abs() - HALF_UM[1]);
-            along.max(0.0).hypot(across.max(0.0)) - radius_um >= KEEP_UM
-        })
-    }
-
-    /// Place after a path, or before it if that is negative.
-    fn gone(&self, [x, y, heading]: [f64; 3], way_um: f64, is_down: bool) -> [f64; 3] {
-        if !is_down {
-            return [x + way_um * heading.cos(), y + way_um * heading.sin(), heading];
-        }
-        let curve_um = self.turning.sign() * self.radius_um;
-        let later = heading + way_um / curve_um;
-        [x + curve_um * (later.sin() - heading.sin()), y - curve_um * (later.cos() - heading.cos()), later]
     }
 
     /// Whether some sequence of `pieces` pieces, each with the arm up or down, is free at some instants of each.
     fn survives(&self, place: [f64; 3], pieces: u32, piece_um: f64) -> bool {
         let goes_on = |is_down: &bool| {
-            let at = |part: u32| self.gone(place, piece_um * f64::from(part) / f64::from(PARTS), *is_down);
-            (1..=PARTS).all(|part| self.is_free(at(part))) && self.survives(at(PARTS), pieces - 1, piece_um)
+            let at = |part: u32| self.bed.gone(place, piece_um * f64::from(part) / f64::from(PARTS), *is_down);
+            (1..=PARTS).all(|part| self.bed.is_free(at(part))) && self.survives(at(PARTS), pieces - 1, piece_um)
         };
         pieces == 0 || [false, true].iter().any(goes_on)
     }
 
     /// Places within the slack, one of them in the middle.
     fn places(&self, random: &mut SplitMix64) -> Vec<[f64; 3]> {
-        let Pose { x_um, y_um, heading_rad } = self.pose;
+        let [x_um, y_um, heading_rad] = place(self.pose);
         let beside = |random: &mut SplitMix64| {
             let (sin, cos) = (TAU * random.unit()).sin_cos();
             let turned = self.slack.heading_rad * random.signed_unit();
@@ -82,7 +52,7 @@ impl Bay {
 
 /// A robot with a few discs in front of it, or behind a goal; or with a ring of discs about it.
 fn bay(random: &mut SplitMix64, end: PathEnd) -> Bay {
-    let turning = if random.below(2) == 0 { Turning::Clockwise } else { Turning::Counterclockwise };
+    let turning = turning(random);
     let start = pose(100.0 * random.unit(), 100.0 * random.unit(), 360.0 * random.unit());
     let (ahead, slack) = match end {
         PathEnd::Start => (0.0, EXACT),
@@ -100,7 +70,7 @@ fn bay(random: &mut SplitMix64, end: PathEnd) -> Bay {
         ([start.x_um + far_um * cos, start.y_um + far_um * sin], disc_um)
     };
     let discs = (0..if is_ring { count } else { 3 + random.below(3) }).map(|at| disc(random, at)).collect();
-    Bay { radius_um, turning, pose: start, slack, discs }
+    Bay { bed: DiscBed { radius_um, turning, discs }, pose: start, slack }
 }
 
 fn no_confined_robot_survives(end: PathEnd, seed: u64, sign: f64) {
@@ -109,7 +79,7 @@ fn no_confined_robot_survives(end: PathEnd, seed: u64, sign: f64) {
     for _ in 0..1_500 {
         let bay = bay(&mut random, end);
         let places = bay.places(&mut random);
-        if !places.iter().all(|place| bay.is_free(*place)) {
+        if !places.iter().all(|place| bay.bed.is_free(*place)) {
             continue;
         }
         let survive = |way_um: f64| {
@@ -119,8 +89,8 @@ fn no_confined_robot_survives(end: PathEnd, seed: u64, sign: f64) {
         match bay.confinement(end, 1e6) {
             Some(found) => {
                 proven += 1;
-                turned += u64::from(found.way_um > bay.radius_um);
-                assert!(!survive(found.way_um), "{:?} {} {:?}", bay.pose, bay.radius_um, bay.discs);
+                turned += u64::from(found.way_um > bay.bed.radius_um);
+                assert!(!survive(found.way_um), "{:?} {} {:?}", bay.pose, bay.bed.radius_um, bay.bed.discs);
                 assert!(found.end == end && !found.obstacles.is_empty());
                 let closer = bay.confinement(end, found.way_um * 0.99);
                 assert!(closer.is_none_or(|closer| closer.way_um < found.way_um * 0.99), "not farther than needed");
@@ -146,11 +116,13 @@ fn a_goal_that_is_shut_off_is_reached_by_no_sequence_of_arm_positions() {
 #[test]
 fn a_robot_leaves_a_bay_only_if_the_bay_is_wide_enough() {
     let bay = |gap_um: f64| Bay {
-        radius_um: 160.0,
-        turning: Turning::Clockwise,
+        bed: DiscBed {
+            radius_um: 160.0,
+            turning: Turning::Clockwise,
+            discs: vec![([125.0 + 150.0 + gap_um, 40.0], 150.0), ([80.0, -30.0 - 150.0 - gap_um], 150.0)],
+        },
         pose: pose(0.0, 0.0, 0.0),
         slack: EXACT,
-        discs: vec![([125.0 + 150.0 + gap_um, 40.0], 150.0), ([80.0, -30.0 - 150.0 - gap_um], 150.0)],
     };
     let found = bay(25.0).confinement(PathEnd::Start, 1e4).expect("it is confined");
     assert!((20.0..200.0).contains(&found.way_um), "{found:?}");
@@ -161,13 +133,8 @@ fn a_robot_leaves_a_bay_only_if_the_bay_is_wide_enough() {
 #[test]
 fn a_robot_without_obstacles_is_not_confined() {
     for end in [PathEnd::Start, PathEnd::Goal] {
-        let free = Bay {
-            radius_um: 160.0,
-            turning: Turning::Counterclockwise,
-            pose: pose(3.0, 4.0, 30.0),
-            slack: EXACT,
-            discs: Vec::new(),
-        };
+        let bed = DiscBed { radius_um: 160.0, turning: Turning::Counterclockwise, discs: Vec::new() };
+        let free = Bay { bed, pose: pose(3.0, 4.0, 30.0), slack: EXACT };
         assert_eq!(free.confinement(end, 1e5), None);
     }
 }

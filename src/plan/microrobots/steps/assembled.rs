@@ -56,12 +56,12 @@ impl BedStepPlanner<'_> {
         // These failures depend on arms and goals alone; no initial legs change that.
         let is_in_vain =
             matches!(direct, Err(NoAssembly::Stuck(StuckAssembly::Unsteerable { .. } | StuckAssembly::Apart { .. })));
-        if let (Err(_), false) = (&direct, is_in_vain) {
-            let goals: Vec<(usize, &MicrorobotsStop)> = docks.iter().map(|dock| (dock.robot, &dock.goal)).collect();
-            if let Some(proof) = self.no_plan(&goals, ProofEffort::Thorough) {
-                sink.push(proof);
-                return None;
-            }
+        let goals: Vec<(usize, &MicrorobotsStop)> = docks.iter().map(|dock| (dock.robot, &dock.goal)).collect();
+        let may_prove = direct.is_err() && !is_in_vain;
+        let proof = |effort: ProofEffort| may_prove.then(|| self.no_plan(&goals, effort)).flatten();
+        if let Some(proof) = proof(ProofEffort::Quick) {
+            sink.push(proof);
+            return None;
         }
         let meter = &mut Meter::new(budget);
         let mut best = direct.as_ref().ok().map(|motion| self.steered(motion.clone(), None, docks, meter));
@@ -72,10 +72,10 @@ impl BedStepPlanner<'_> {
         if let (None, Err(none)) = (&best, &direct) {
             let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
             let span = |robot: usize| goal(robot).unwrap_or(self.step.span);
-            sink.push(match none {
+            sink.push(proof(ProofEffort::Thorough).unwrap_or_else(|| match none {
                 NoAssembly::Stuck(stuck) => self.why().not_assembled(stuck, &span),
                 NoAssembly::StillTurning(hit) => self.why().still_turning(hit),
-            });
+            }));
         }
         best.map(|best| best.motion)
     }
