@@ -140,8 +140,8 @@ struct CubeBody {
     off_um: f64,
 }
 
-/// A cube by its index along each axis.
-type Cube = Vec<u16>;
+/// A cube by its index along each axis; 0 beyond the last pattern.
+type Cube = [u16; MAX_PATTERNS];
 
 impl<'a> ArmSpace<'a> {
     /// `None` if there are too many patterns, or if no robot moves.
@@ -165,9 +165,10 @@ impl<'a> ArmSpace<'a> {
     }
 
     fn inevitable(&self) -> Option<InevitableCollision> {
+        let patterns = self.is_down.len();
         let mut is_seen: FxHashSet<u128> = FxHashSet::default();
         let (mut open, mut collisions, mut most): (Vec<Cube>, BTreeSet<StaticCollision>, f64) =
-            (vec![vec![0; self.is_down.len()]], BTreeSet::new(), 0.0);
+            (vec![[0; MAX_PATTERNS]], BTreeSet::new(), 0.0);
         while let Some(cube) = open.pop() {
             if !is_seen.insert(key(&cube)) {
                 continue;
@@ -176,14 +177,14 @@ impl<'a> ArmSpace<'a> {
                 collisions.insert(collision);
                 continue;
             }
-            let driven: usize = cube.iter().map(|index| usize::from(*index) + 1).sum();
+            let driven: usize = cube[..patterns].iter().map(|index| usize::from(*index) + 1).sum();
             most = most.max(driven as f64 * self.side);
             let is_far = cube.iter().any(|index| *index + 1 == MAX_CUBES_ALONG);
             if most >= self.question.needed || is_far || is_seen.len() == MAX_CUBES {
                 return None;
             }
-            for pattern in (0..cube.len()).rev() {
-                let mut next = cube.clone();
+            for pattern in (0..patterns).rev() {
+                let mut next = cube;
                 next[pattern] += 1;
                 open.push(next);
             }
@@ -192,7 +193,7 @@ impl<'a> ArmSpace<'a> {
     }
 
     /// A collision in every pose of a cube.
-    fn closed_by(&self, cube: &[u16]) -> Option<StaticCollision> {
+    fn closed_by(&self, cube: &Cube) -> Option<StaticCollision> {
         let near_um = self.question.world.keeps_um()[0] - LOOSE_UM;
         let mut bodies: Vec<CubeBody> = Vec::with_capacity(self.robots.len());
         for (at, one) in self.robots.iter().enumerate() {
@@ -217,7 +218,7 @@ impl<'a> ArmSpace<'a> {
     }
 
     /// Least and most strokes in which a robot of the question has run and turned in a cube.
-    fn driven(&self, cube: &[u16], robot: usize) -> [[f64; 2]; 2] {
+    fn driven(&self, cube: &Cube, robot: usize) -> [[f64; 2]; 2] {
         let mut driven = [[0.0; 2]; 2];
         for (index, is_down) in cube.iter().zip(&self.is_down) {
             let range = &mut driven[usize::from(is_down[robot])];
@@ -229,7 +230,7 @@ impl<'a> ArmSpace<'a> {
 }
 
 /// A cube's indices in one number.
-fn key(cube: &[u16]) -> u128 {
+fn key(cube: &Cube) -> u128 {
     cube.iter().fold(0, |key, index| key << KEY_BITS | u128::from(*index))
 }
 

@@ -1,8 +1,8 @@
 //! The steps of a job of microrobots, planned one after the other from the current poses.
 //!
 //! After each step every robot is where the strokes have carried it, so a step without a plan leaves the later ones
-//! without a start: the job ends there. A step may begin with initial legs that move the whole bed (`initial_legs`,
-//! `initial_leg_search`); the best plan by the objective is kept.
+//! without a start: the job ends there. A step may begin with initial legs that move the whole bed (`initial_leg_tree` for
+//! drives, `initial_leg_search` and `initial_legs` for assemblies); the best plan by the objective is kept.
 
 mod assembled;
 mod driven;
