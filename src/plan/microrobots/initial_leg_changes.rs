@@ -2,7 +2,6 @@
 
 use super::Leg;
 use super::world::CollisionWorld;
-use crate::claims::microrobots::MicrorobotsOrder;
 use crate::random::SplitMix64;
 
 /// Largest change of a leg, in micrometres, the factor from one scale to the next, and the number of scales.
@@ -23,11 +22,9 @@ pub struct LegChanges {
 
 impl LegChanges {
     /// Changes for a bed with these docked robots; `None` if there is nothing to move.
-    pub fn new(order: &MicrorobotsOrder, world: &CollisionWorld, docked: &[bool]) -> Option<LegChanges> {
-        let states: Vec<usize> =
-            (0..world.state_count()).filter(|state| world.keeps_docked_arms_up(*state, docked)).collect();
-        let moving = (0..world.count()).filter(|robot| !docked[*robot]);
-        let step_um = moving.map(|robot| order.robot(robot).step_um).fold(0.0, f64::max);
+    pub fn new(world: &CollisionWorld, docked: &[bool]) -> Option<LegChanges> {
+        let (states, step_um): (Vec<usize>, f64) =
+            (world.allowed_states(docked).collect(), world.fastest_step_um(docked));
         (step_um > 0.0 && !states.is_empty()).then_some(LegChanges { states, step_um })
     }
 

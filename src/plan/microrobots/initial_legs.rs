@@ -10,7 +10,6 @@
 
 use super::world::{BedPoses, CollisionWorld};
 use super::{Leg, RobotDocking};
-use crate::claims::microrobots::MicrorobotsOrder;
 use crate::geometry::Pose;
 use crate::random::SplitMix64;
 
@@ -48,26 +47,24 @@ pub struct RandomInitialLegs<'a> {
 impl<'a> RandomInitialLegs<'a> {
     /// Initial legs for robots with these goals; another seed gives other sequences.
     pub fn new(
-        order: &MicrorobotsOrder,
         world: &'a CollisionWorld,
         bed: &'a BedPoses,
         goals: impl Iterator<Item = Pose>,
         seed: u64,
     ) -> RandomInitialLegs<'a> {
-        let moving = || (0..world.count()).filter(|robot| !bed.docked[*robot]);
-        let poses: Vec<Pose> = moving().map(|robot| bed.poses[robot]).chain(goals).collect();
+        let moving = (0..world.count()).filter(|robot| !bed.docked[*robot]);
+        let poses: Vec<Pose> = moving.map(|robot| bed.poses[robot]).chain(goals).collect();
         let extent_um = |of: fn(&Pose) -> f64| {
             let all = || poses.iter().map(of);
             all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min)
         };
         let span_um = extent_um(|pose| pose.x_um).max(extent_um(|pose| pose.y_um)).max(LEAST_SPAN_UM);
-        let step_um = moving().map(|robot| order.robot(robot).step_um).fold(0.0, f64::max);
-        let states = if step_um > 0.0 { world.state_count() } else { 0 };
+        let step_um = world.fastest_step_um(&bed.docked);
         RandomInitialLegs {
             world,
             bed,
             random: SplitMix64::new(seed),
-            states: (0..states).filter(|state| world.keeps_docked_arms_up(*state, &bed.docked)).collect(),
+            states: world.allowed_states(&bed.docked).filter(|_| step_um > 0.0).collect(),
             most_strokes: (span_um / step_um.max(f64::MIN_POSITIVE)) as u64,
         }
     }

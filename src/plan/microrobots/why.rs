@@ -166,11 +166,7 @@ impl BedReasons<'_> {
         for robot in &robots {
             diagnostic = diagnostic.label_elsewhere(self.order.robots[*robot].span, self.step.span, reason);
         }
-        for obstacle in collision.obstacles() {
-            let span = self.order.obstacles[obstacle].span;
-            diagnostic = diagnostic.label_elsewhere(span, self.step.span, "in the way");
-        }
-        diagnostic.help(match robots.len() {
+        self.around(diagnostic, &collision.obstacles()).help(match robots.len() {
             1 => "start it elsewhere or with another heading, or make room in front of it",
             _ => "start one of them elsewhere or with another heading, or make room in front of it",
         })
@@ -181,7 +177,7 @@ impl BedReasons<'_> {
     pub fn confined(&self, confinement: &Confinement, goal: Span, needed_um: f64) -> Diagnostic {
         let Confinement { end, robot, obstacles, way_um } = confinement;
         let name = self.name(*robot);
-        let names = obstacles.iter().map(|index| format!("`{}`", self.order.obstacles[*index].name));
+        let names = obstacles.iter().map(|index| self.thing(DriveBlocker::Obstacle(*index)));
         let names = names.collect::<Vec<_>>().join(" or ");
         let [clearance, way] = [self.order.facts.clearance_um, *way_um].map(length);
         let diagnostic = match end {
@@ -210,9 +206,14 @@ impl BedReasons<'_> {
                 )
             }
         };
-        obstacles.iter().fold(diagnostic, |diagnostic, index| {
-            diagnostic.label_elsewhere(self.order.obstacles[*index].span, self.step.span, "in the way")
-        })
+        self.around(diagnostic, obstacles)
+    }
+
+    /// Labels obstacles of a proof.
+    fn around(&self, diagnostic: Diagnostic, obstacles: &[usize]) -> Diagnostic {
+        obstacles
+            .iter()
+            .fold(diagnostic, |diagnostic, index| self.near(diagnostic, DriveBlocker::Obstacle(*index), self.step.span))
     }
 
     /// The collisions one of which happens, as a sentence.
@@ -221,7 +222,7 @@ impl BedReasons<'_> {
         let of = |robot: usize| {
             let partners = collision.collisions.iter().filter_map(|one| match *one {
                 StaticCollision::Obstacle { robot: at, obstacle } if at == robot => {
-                    Some(format!("`{}`", self.order.obstacles[obstacle].name))
+                    Some(self.thing(DriveBlocker::Obstacle(obstacle)))
                 }
                 StaticCollision::Robots { robot: at, other } if at == robot => Some(self.name(other)),
                 StaticCollision::Obstacle { .. } | StaticCollision::Robots { .. } => None,

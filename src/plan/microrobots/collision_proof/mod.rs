@@ -31,7 +31,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Approach below the clearance that a proof does not count: larger than rounding and than what the verifier may miss.
-const LOOSE_UM: f64 = 2e-3;
+pub const LOOSE_UM: f64 = 2e-3;
 
 /// Side of a cube, as a share of the turning radius: of one robot alone, and of several, where larger ones are tried
 /// first.
@@ -147,7 +147,7 @@ impl<'a> ArmSpace<'a> {
     /// `None` if there are too many patterns, or if no robot moves.
     fn new(question: &'a CollisionQuestion<'a>, share: f64) -> Option<ArmSpace<'a>> {
         let CollisionQuestion { world, bed, robots, .. } = *question;
-        let states = (0..world.state_count()).filter(|state| world.keeps_docked_arms_up(*state, &bed.docked));
+        let states = world.allowed_states(&bed.docked);
         let pattern = |state: usize| robots.iter().map(|robot| world.arm(state, *robot) == Arm::Down).collect();
         let is_down: BTreeSet<Vec<bool>> = states.map(pattern).collect();
         let robots: Vec<ProofRobot> =

@@ -23,6 +23,7 @@
 
 mod columns;
 
+use super::collision_proof::LOOSE_UM;
 use super::free::PoseWithin;
 use super::world::CollisionWorld;
 use crate::geometry::{Pose, Rounded};
@@ -31,9 +32,6 @@ use columns::{ColumnInterval, SliceDirections, SliceRuns, merged};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
-
-/// Approach below the clearance that a proof does not count: larger than rounding and than what the verifier may miss.
-const LOOSE_UM: f64 = 2e-3;
 
 /// Fineness of the slices and cells.
 #[derive(Debug, Clone, Copy, PartialEq)]

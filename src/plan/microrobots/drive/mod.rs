@@ -46,7 +46,7 @@ pub struct DriveRequest<'a> {
 impl DriveRequest<'_> {
     /// The control states that keep the arms of docked robots up.
     fn states(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.world.state_count()).filter(|state| self.world.keeps_docked_arms_up(*state, &self.bed.docked))
+        self.world.allowed_states(&self.bed.docked)
     }
 }
 

@@ -58,7 +58,7 @@ impl<'a> InitialLegSearch<'a> {
         bed: &'a BedPoses,
         docks: &[Dock],
     ) -> Option<InitialLegSearch<'a>> {
-        let changes = LegChanges::new(order, world, &bed.docked)?;
+        let changes = LegChanges::new(world, &bed.docked)?;
         let estimate = AssemblyEstimate::new(roomy, world, bed, docks)?;
         Some(InitialLegSearch { order, world, bed, estimate, changes })
     }

@@ -12,9 +12,10 @@
 use super::Leg;
 use super::initial_legs::InitialLegs;
 use super::world::{BedPoses, CollisionWorld};
+use crate::device::microrobots::wrapped_rad;
 use crate::geometry::Pose;
 use crate::random::SplitMix64;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Margin of the square in which poses are drawn, around the robots, their goals and the obstacles.
 const MARGIN_UM: f64 = 500.0;
@@ -36,6 +37,8 @@ pub struct InitialLegTree<'a> {
     states: Vec<usize>,
     /// Robots that are not docked.
     moving: Vec<usize>,
+    /// Path of the fastest of them in one stroke.
+    step_um: f64,
     /// Least and greatest coordinate of the poses drawn, by axis.
     square_um: [[f64; 2]; 2],
     nodes: Vec<TreeNode>,
@@ -68,14 +71,13 @@ impl<'a> InitialLegTree<'a> {
         let joined = |one: [[f64; 2]; 2], other: [[f64; 2]; 2]| {
             [0, 1].map(|axis| [one[axis][0].min(other[axis][0]), one[axis][1].max(other[axis][1])])
         };
-        let can_move = moving.iter().any(|robot| world.body(*robot).robot.step_um > 0.0);
-        let states = if can_move { world.state_count() } else { 0 };
         let square_um = robots.chain(obstacles).reduce(joined).unwrap_or_default();
         InitialLegTree {
             world,
             driven,
             random: SplitMix64::new(seed),
-            states: (0..states).filter(|state| world.keeps_docked_arms_up(*state, &bed.docked)).collect(),
+            states: world.allowed_states(&bed.docked).collect(),
+            step_um: world.fastest_step_um(&bed.docked),
             moving,
             square_um: square_um.map(|[least, most]| [least - MARGIN_UM, most + MARGIN_UM]),
             poses: bed.poses.iter().map(|pose| vec![*pose]).collect(),
@@ -98,8 +100,7 @@ impl<'a> InitialLegTree<'a> {
         let radius_um = self.world.body(robot).robot.turning_radius_um;
         let far_um2 = |pose: &Pose| {
             let [dx, dy] = [pose.x_um - x_um, pose.y_um - y_um];
-            let turned = (pose.heading_rad - heading_rad).rem_euclid(TAU);
-            let across_um = turned.min(TAU - turned).min(PI) * radius_um;
+            let across_um = wrapped_rad(pose.heading_rad - heading_rad).abs() * radius_um;
             dx * dx + dy * dy + across_um * across_um
         };
         let nearest = self.poses[robot].iter().map(far_um2).enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
@@ -114,13 +115,12 @@ impl<'a> InitialLegTree<'a> {
             return None;
         }
         let [first, second, third] = [self.random.unit(), self.random.unit(), self.random.unit()];
-        let step_um = self.moving.iter().map(|robot| self.world.body(*robot).robot.step_um).fold(0.0, f64::max);
-        let leg = Leg { state, strokes: ((SHORTEST_UM + LONGEST_UM * first * second * third) / step_um) as u64 };
+        let leg = Leg { state, strokes: ((SHORTEST_UM + LONGEST_UM * first * second * third) / self.step_um) as u64 };
         let Some(hit) = node.bed.first_collision(self.world, &[leg], &[]) else { return Some(leg) };
         let share = self.random.unit();
         let leg = Leg { strokes: (hit.strokes * (1.0 - share * share)) as u64, ..leg };
-        let is_free =
-            leg.strokes as f64 * step_um >= SHORTEST_UM && node.bed.first_collision(self.world, &[leg], &[]).is_none();
+        let is_free = leg.strokes as f64 * self.step_um >= SHORTEST_UM
+            && node.bed.first_collision(self.world, &[leg], &[]).is_none();
         is_free.then_some(leg)
     }
 }
@@ -129,7 +129,7 @@ impl Iterator for InitialLegTree<'_> {
     type Item = InitialLegs;
 
     fn next(&mut self) -> Option<InitialLegs> {
-        if self.states.is_empty() {
+        if self.states.is_empty() || self.step_um == 0.0 {
             return None;
         }
         for _ in 0..MAX_VAIN_DRAWS {

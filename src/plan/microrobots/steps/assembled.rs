@@ -10,7 +10,7 @@ use super::super::assembly::{
     self, Assembled, AssemblyTerms, CYCLES, DIRECT, DIRECT_PAIR, PlannedFineMotions, StuckAssembly,
 };
 use super::super::initial_leg_search::InitialLegSearch;
-use super::super::initial_legs::InitialLegs;
+use super::super::initial_legs::{InitialLegs, RandomInitialLegs};
 use super::super::world::{BedPoses, FirstCollision};
 use super::super::{AssemblyStage, Leg, MicrorobotsStepMotion};
 use super::proofs::ProofEffort;
@@ -119,7 +119,7 @@ impl BedStepPlanner<'_> {
         }
         if best.is_none() {
             let goals = docks.iter().map(|dock| dock.goal.pose);
-            for initial in self.random_initial_legs(goals, BEST_SEED).take(MAX_INITIAL_DRAWS) {
+            for initial in RandomInitialLegs::new(self.world, self.bed, goals, BEST_SEED).take(MAX_INITIAL_DRAWS) {
                 self.improve(initial, docks, meter, best);
                 if best.is_some() {
                     return;

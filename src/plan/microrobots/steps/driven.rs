@@ -108,7 +108,7 @@ impl BedStepPlanner<'_> {
 
     /// Changes the initial legs of a drive until that many changes in succession do not improve it.
     fn improved(&self, request: &DriveRequest, mut best: DriveCandidate, most_vain: usize) -> DriveCandidate {
-        let Some(changes) = LegChanges::new(self.order, self.world, &self.bed.docked) else { return best };
+        let Some(changes) = LegChanges::new(self.world, &self.bed.docked) else { return best };
         let (mut random, mut vain) = (SplitMix64::new(BEST_SEED), 0);
         while vain < most_vain {
             vain += 1;

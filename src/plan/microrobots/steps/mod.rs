@@ -8,14 +8,12 @@ mod assembled;
 mod driven;
 mod proofs;
 
-use super::initial_legs::RandomInitialLegs;
 use super::why::BedReasons;
 use super::world::{BedPoses, CollisionWorld};
 use super::{AssemblyStage, Crew, Leg, MicrorobotsMotion, MicrorobotsStepMotion, legs_cost, legs_ns};
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder, MicrorobotsStep};
 use crate::device::microrobots::Arm;
 use crate::diagnostic::Sink;
-use crate::geometry::Pose;
 use crate::plan::search::SearchBudget;
 
 /// The motion of a whole job, and the state of the robots after it.
@@ -114,11 +112,6 @@ impl<'a> BedStepPlanner<'a> {
 
     fn share(&self, parts: u64) -> SearchBudget {
         SearchBudget::of((self.order.expansions / parts).max(1))
-    }
-
-    /// Initial legs for a step with these goals.
-    fn random_initial_legs(&self, goals: impl Iterator<Item = Pose>, seed: u64) -> RandomInitialLegs<'_> {
-        RandomInitialLegs::new(self.order, self.world, self.bed, goals, seed)
     }
 
     /// Cost of a step's legs: the objective's figure, then the other one to break ties.

@@ -21,15 +21,18 @@ pub enum ProofEffort {
 }
 
 impl BedStepPlanner<'_> {
-    /// The report of a proof that robots do not reach these goals, given in order; `None` if none was found.
+    /// The report of a proof that robots do not reach these goals, given in order; `None` if none was found. A thorough
+    /// one does not repeat what a quick one tries.
     pub fn no_plan(&self, goals: &[(usize, &MicrorobotsStop)], effort: ProofEffort) -> Option<Diagnostic> {
         let docked = &self.bed.docked;
         let moving: Vec<usize> = (0..self.world.count()).filter(|robot| self.is_given && !docked[*robot]).collect();
-        let alone = moving.iter().find_map(|robot| self.inevitable_collision(&[*robot], goals));
+        let alone = || moving.iter().find_map(|robot| self.inevitable_collision(&[*robot], goals));
         let confined = || moving.iter().find_map(|robot| self.confined(*robot, goals, effort));
-        let is_joint = moving.len() > 1 && effort == ProofEffort::Thorough;
-        let together = || is_joint.then(|| self.inevitable_collision(&moving, goals)).flatten();
-        alone.or_else(confined).or_else(together)
+        let together = || (moving.len() > 1).then(|| self.inevitable_collision(&moving, goals)).flatten();
+        match effort {
+            ProofEffort::Quick => alone().or_else(confined),
+            ProofEffort::Thorough => confined().or_else(together),
+        }
     }
 
     /// The report of collisions of these robots one of which happens before the step can end, whatever states are

@@ -159,8 +159,19 @@ impl CollisionWorld {
 
     /// Whether a control state keeps the arms of all docked robots up; a stroke with one of them down would turn the
     /// structure.
-    pub fn keeps_docked_arms_up(&self, state: usize, docked: &[bool]) -> bool {
+    fn keeps_docked_arms_up(&self, state: usize, docked: &[bool]) -> bool {
         (0..self.count()).all(|robot| !docked[robot] || self.arm(state, robot) == Arm::Up)
+    }
+
+    /// The control states that keep the arms of all docked robots up.
+    pub fn allowed_states<'a>(&'a self, docked: &'a [bool]) -> impl Iterator<Item = usize> + 'a {
+        (0..self.state_count()).filter(|state| self.keeps_docked_arms_up(*state, docked))
+    }
+
+    /// Path of the fastest robot that is not docked in one stroke; 0 if none moves.
+    pub fn fastest_step_um(&self, docked: &[bool]) -> f64 {
+        let moving = self.bodies.iter().zip(docked).filter(|(_, docked)| !**docked);
+        moving.map(|(body, _)| body.robot.step_um).fold(0.0, f64::max)
     }
 
     /// The rectangle of a robot at a pose.
