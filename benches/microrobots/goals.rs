@@ -99,7 +99,7 @@ fn row(name: &str, all: &[Outcome]) {
     );
 }
 
-fn assemblies(objective: &str, usual: u64) {
+fn assemblies(objective: &str, usual: u64, changed: fn(&str) -> String) {
     println!(
         "\nAssemblies on random fields, `minimize {objective}`; success of {TRIALS} trials; times include the 400 trials of `build`.\n"
     );
@@ -110,7 +110,7 @@ fn assemblies(objective: &str, usual: u64) {
     for count in COUNTS {
         let mut whole = Vec::new();
         for side_um in SIDES_UM {
-            let one = |seed| outcome(&fields::assembly(count, side_um, seed, objective));
+            let one = |seed| outcome(&changed(&fields::assembly(count, side_um, seed, objective)));
             let found: Vec<Outcome> = (0..programs(usual)).map(one).collect();
             row(&format!("{count}, {} mm", side_um / 1e3), &found);
             whole.extend(found);
@@ -150,12 +150,17 @@ pub fn bounds() {
 
 /// Plans for the objective `time`.
 pub fn fastest() {
-    assemblies("time", 8);
+    assemblies("time", 8, str::to_owned);
+}
+
+/// The same for a device without errors.
+pub fn written() {
+    assemblies("time", 8, fields::without_errors);
 }
 
 /// Plans for the objective `failures`.
 pub fn safest() {
-    assemblies("failures", 4);
+    assemblies("failures", 4, str::to_owned);
 }
 
 /// Drives of one robot among two others and obstacles.

@@ -16,13 +16,14 @@ mod simple;
 
 fn main() {
     let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-')).unwrap_or_default();
-    let tables: [(&str, fn()); 8] = [
+    let tables: [(&str, fn()); 9] = [
         ("check", relays::check),
         ("states", relays::states),
         ("assemblies", assemblies::table),
         ("answers", answers::table),
         ("bounds", goals::bounds),
         ("fastest", goals::fastest),
+        ("written", goals::written),
         ("safest", goals::safest),
         ("drives", goals::drives),
     ];

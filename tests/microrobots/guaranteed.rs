@@ -85,7 +85,7 @@ impl Adversary<'_> {
                         }
                     }
                     AssemblyStage::Single { robot, goal, .. } => found.push(Place { robot, goal, leg: leg(robot) }),
-                    AssemblyStage::InitialLegs { .. } | AssemblyStage::Escort { .. } => {}
+                    AssemblyStage::BedLegs { .. } | AssemblyStage::Escort { .. } => {}
                 }
             }
             before += legs.len();

@@ -165,8 +165,9 @@ pub struct RobotDocking {
 /// A stage of an assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AssemblyStage {
-    /// Before all others: the first `legs` legs of the step move the whole bed, so that the robots stand better.
-    InitialLegs { legs: usize },
+    /// Before the first robots dock, or between dockings: `legs` legs move the whole bed, so that the robots stand
+    /// better.
+    BedLegs { legs: usize },
     /// Precedes an [`AssemblyStage::Pair`] and concerns its second robot, `robot`: it is driven to the place where it
     /// will orbit while the first one is driven. The first one, `beside`, meanwhile runs straight; it may turn while
     /// `robot` turns.

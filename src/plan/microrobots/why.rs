@@ -150,15 +150,9 @@ impl BedReasons<'_> {
     pub fn inevitable_collision(&self, collision: &InevitableCollision, strokes: u64) -> Diagnostic {
         let robots = collision.robots();
         let step_um = robots.iter().map(|robot| self.order.robot(*robot).step_um).fold(0.0, f64::max);
-        let title = format!(
-            "{} within {} of path, whatever control states are applied; the strokes of this step drive {} at least {}",
-            self.inevitable_text(collision),
-            length(collision.strokes * step_um),
-            if robots.len() == 1 { "it" } else { "them" },
-            length(strokes as f64 * step_um)
-        );
-        let mut diagnostic = Diagnostic::new(Code::E0601, title)
-            .label(self.step.span, "every stroke moves all robots that have not docked");
+        let driven = if robots.len() == 1 { "it" } else { "them" };
+        let ways_um = [collision.strokes, strokes as f64].map(|strokes| strokes * step_um);
+        let mut diagnostic = self.unavoidable(&self.inevitable_text(collision), driven, ways_um);
         let reason = match robots.len() {
             1 => "this holds with its arm up, down or alternating",
             _ => "no control state saves all of these robots",
@@ -172,6 +166,17 @@ impl BedReasons<'_> {
         })
     }
 
+    /// Report of a collision that no plan avoids after the first path, although the step drives the robots (`driven`: it
+    /// or them) at least the second.
+    fn unavoidable(&self, collision: &str, driven: &str, ways_um: [f64; 2]) -> Diagnostic {
+        let [way, needed] = ways_um.map(length);
+        let title = format!(
+            "{collision} within {way} of path, whatever control states are applied; the strokes of this step drive \
+             {driven} at least {needed}"
+        );
+        Diagnostic::new(Code::E0601, title).label(self.step.span, "every stroke moves all robots that have not docked")
+    }
+
     /// Report of a robot that obstacles confine, or whose goal they shut off: a proof. The step drives it at least
     /// `needed_um`.
     pub fn confined(&self, confinement: &Confinement, goal: Span, needed_um: f64) -> Diagnostic {
@@ -182,13 +187,8 @@ impl BedReasons<'_> {
         let [clearance, way] = [self.order.facts.clearance_um, *way_um].map(length);
         let diagnostic = match end {
             PathEnd::Start => {
-                let title = format!(
-                    "{name} comes nearer than {clearance} to {names} within {way} of path, whatever control states are \
-                     applied; the strokes of this step drive it at least {}",
-                    length(needed_um)
-                );
-                Diagnostic::new(Code::E0601, title)
-                    .label(self.step.span, "every stroke moves all robots that have not docked")
+                let collision = format!("{name} comes nearer than {clearance} to {names}");
+                self.unavoidable(&collision, "it", [*way_um, needed_um])
                     .label_elsewhere(
                         self.order.robots[*robot].span,
                         self.step.span,

@@ -86,7 +86,7 @@ pub fn dockings(plan: &WrittenPlan, stages: &[&AssemblyStage]) -> Option<Vec<Pla
         let robots = match **stage {
             AssemblyStage::Pair { first, second, goals, .. } => vec![(first, goals[0]), (second, goals[1])],
             AssemblyStage::Single { robot, goal, .. } => vec![(robot, goal)],
-            AssemblyStage::InitialLegs { .. } | AssemblyStage::Escort { .. } => continue,
+            AssemblyStage::BedLegs { .. } | AssemblyStage::Escort { .. } => continue,
         };
         found.push(docking(plan, robots, &mut budget)?);
     }

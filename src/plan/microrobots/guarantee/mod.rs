@@ -108,7 +108,7 @@ pub fn estimated_containments(order: &MicrorobotsOrder, motion: &MicrorobotsMoti
         let bed = StageContext { order, episode, obstacles: &solids, is_first, structure };
         let containments = match episode.stage {
             AssemblyStage::Pair { .. } => pair::containments(&bed, &mut structure),
-            AssemblyStage::Escort { .. } | AssemblyStage::InitialLegs { .. } => continue,
+            AssemblyStage::Escort { .. } | AssemblyStage::BedLegs { .. } => continue,
             AssemblyStage::Single { robot, approach, goal, .. } => single(&bed, *robot, *approach, *goal),
         };
         let robots = super::strategy::driven(episode.stage).into_iter().map(|(robot, _)| robot).collect();

@@ -1,14 +1,14 @@
 //! Estimate of an assembly from given poses: strokes of its stages one after the other, and penalties for too little
 //! room.
 //!
-//! Each robot makes its way from its turning circle straight to that of its approach; a robot that has waited begins
-//! with half a circle on average. Room is lacking where the disc of a waiting robot, an obstacle or the path of a
+//! Each robot makes its way from its turning circle straight to that of its approach. A robot that has waited first turns
+//! to it: by half a circle on average, or as far as its orbit requires if that is known. Room is lacking where the disc of a waiting robot, an obstacle or the path of a
 //! steered robot are too near to each other. A strip as wide as the steered robot's orbit disc should be clear along
 //! its path, since a robot with errors drives circles there; a strip as wide as its body must be clear. No claim rests
 //! on the estimate: plans are checked against the collision rules.
 
 use crate::claims::microrobots::{Dock, MicrorobotsOrder};
-use crate::device::microrobots::{Arm, Robot};
+use crate::device::microrobots::{Arm, MicrorobotsObjective, Robot};
 use crate::geometry::Pose;
 use crate::geometry::distance::{point_segment, segment_core};
 use crate::plan::microrobots::fine::Cycles;
@@ -16,7 +16,7 @@ use crate::plan::microrobots::free::turn_rad;
 use crate::plan::microrobots::world::{BedPoses, CollisionWorld};
 use crate::real::Real;
 use nalgebra::Point2;
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Room that is wanted beside the strip of a steered robot, as a share of its turning radius.
 const WANTED_SHARE: f64 = 0.3;
@@ -27,6 +27,9 @@ const REQUIRED: f64 = 20.0;
 
 /// Most micrometres of lacking room that count in one place.
 const MOST_LACKING_UM: f64 = 600.0;
+
+/// Turns shorter than this count partly as full circles.
+const EDGE_RAD: f64 = 0.05;
 
 /// A point, or the centre of a turn.
 type Point = [f64; 2];
@@ -39,6 +42,7 @@ pub struct AssemblyEstimate {
     /// In order of docking; the first two together if `has_pair`.
     places: Vec<DockingPlace>,
     has_pair: bool,
+    phases: OrbitPhases,
     /// Robots that are neither docked nor to dock, and orbit all the time.
     idle: Vec<usize>,
     world: CollisionWorld,
@@ -46,6 +50,15 @@ pub struct AssemblyEstimate {
     rests: Vec<([Point2<f64>; 2], f64)>,
     orbit_keep_um: f64,
     keep_um: f64,
+}
+
+/// Where single robots are on their orbits when their turn comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum OrbitPhases {
+    /// Not known, since it depends on how long the first two robots take, or on the errors of the closed loop.
+    Average,
+    /// As all legs before have brought them there.
+    Known,
 }
 
 /// A robot's place in the structure.
@@ -59,15 +72,15 @@ pub struct DockingPlace {
     lane: [Point2<f64>; 2],
     /// The axis of its body at the goal.
     axis: [Point2<f64>; 2],
+    /// Strokes of the fine motion of a single robot.
+    fine_strokes: f64,
 }
 
 impl AssemblyEstimate {
     /// Estimate for an order; `None` if no robot is left to dock.
     pub fn new(order: &MicrorobotsOrder, world: &CollisionWorld, bed: &BedPoses, docks: &[Dock]) -> Option<Self> {
-        let downs =
-            |robot: usize| (0..world.state_count()).filter(|state| world.arm(*state, robot) == Arm::Down).count();
         let mut open: Vec<&Dock> = docks.iter().filter(|dock| !bed.docked[dock.robot]).collect();
-        open.sort_by_key(|dock| downs(dock.robot));
+        open.sort_by_key(|dock| world.lowering_count(dock.robot));
         let has_pair = !bed.docked.contains(&true) && open.len() >= 2;
         let places: Vec<DockingPlace> =
             open.iter().enumerate().map(|(at, dock)| place(order, &open, at, has_pair && at < 2, dock)).collect();
@@ -80,6 +93,11 @@ impl AssemblyEstimate {
             robots,
             places,
             has_pair,
+            phases: if has_pair || order.objective == MicrorobotsObjective::Failures {
+                OrbitPhases::Average
+            } else {
+                OrbitPhases::Known
+            },
             idle: (0..world.count()).filter(is_idle).collect(),
             world: world.clone(),
             rests,
@@ -93,13 +111,18 @@ impl AssemblyEstimate {
         let centres: Vec<Point> =
             self.robots.iter().zip(poses).map(|(robot, pose)| robot.orbit_centre_um(*pose)).collect();
         let singles = if self.has_pair { 2 } else { 0 };
-        let mut strokes = if self.has_pair { self.pair(poses, &centres) } else { 0.0 };
+        let mut lacking = self.orbits(&centres);
+        let mut strokes = 0.0;
+        if self.has_pair {
+            let [driven, room] = self.pair(poses, &centres);
+            (strokes, lacking) = (driven, lacking + room);
+        }
         for at in singles..self.places.len() {
             let place = &self.places[at];
-            strokes += self.single(place, centres[place.robot]);
-            strokes += self.lacking(at + 1, place, &[centres[place.robot], place.centre_um], &centres, at);
+            strokes += self.single(place, poses[place.robot].heading_rad, centres[place.robot], strokes);
+            lacking += self.lacking(at + 1, place, &[centres[place.robot], place.centre_um], &centres, at);
         }
-        strokes + self.orbits(&centres)
+        strokes + lacking
     }
 
     fn stroke_um(&self, robot: usize) -> f64 {
@@ -114,14 +137,26 @@ impl AssemblyEstimate {
         dx.hypotenuse(dy) + robot.turning_radius_um * turn_rad
     }
 
-    fn single(&self, place: &DockingPlace, centre_um: Point) -> f64 {
-        let half_um = PI * self.robots[place.robot].turning_radius_um;
-        (half_um + self.way_um(place, centre_um)) / self.stroke_um(place.robot)
+    /// Strokes of a robot that has orbited for `waited` strokes since it had the given heading.
+    fn single(&self, place: &DockingPlace, heading_rad: f64, centre_um: Point, waited: f64) -> f64 {
+        let robot = &self.robots[place.robot];
+        let [dx, dy] = [0, 1].map(|axis| place.centre_um[axis] - centre_um[axis]);
+        let aim_rad = dy.arc_tangent_over(dx);
+        let turned_rad = waited * robot.step_um / robot.turning_radius_um;
+        let last_rad = turn_rad(robot, aim_rad, place.approach.heading_rad);
+        let turns_rad = match self.phases {
+            OrbitPhases::Average => PI + last_rad,
+            OrbitPhases::Known => {
+                let first_rad = (turn_rad(robot, heading_rad, aim_rad) - turned_rad).rem_euclid(TAU);
+                sure_rad(first_rad) + sure_rad(last_rad)
+            }
+        };
+        (dx.hypotenuse(dy) + robot.turning_radius_um * turns_rad) / robot.step_um + place.fine_strokes
     }
 
     /// Strokes of the first two robots: the first one's path to where it begins to run straight, then the second one's
     /// path.
-    fn pair(&self, poses: &[Pose], centres: &[Point]) -> f64 {
+    fn pair(&self, poses: &[Pose], centres: &[Point]) -> [f64; 2] {
         let [first, second] = [&self.places[0], &self.places[1]];
         let robots = [first, second].map(|place| &self.robots[place.robot]);
         let half = PI * robots[1].turning_radius_um / robots[1].step_um;
@@ -140,7 +175,7 @@ impl AssemblyEstimate {
         let mut lacking = self.lacking(2, first, &to_line, centres, 0) + self.lacking(2, first, &line, centres, 0);
         lacking += self.beside(first, &to_line, second.robot, centres[second.robot]);
         lacking += self.lacking(2, second, &[centres[second.robot], second.centre_um], centres, 0);
-        before + later + half + lacking
+        [before + later + half, lacking]
     }
 
     /// Penalty in strokes for lacking room along a steered robot's path, while idle robots and those of the places from
@@ -207,17 +242,30 @@ impl AssemblyEstimate {
 /// Place of a dock, which is number `at` in the docking order.
 fn place(order: &MicrorobotsOrder, open: &[&Dock], at: usize, is_paired: bool, dock: &Dock) -> DockingPlace {
     let (robot, goal, fine) = (order.robot(dock.robot), dock.goal.pose, &order.facts.fine);
-    let approach = if is_paired {
+    let (approach, fine_strokes) = if is_paired {
         let cycles = Cycles::<3>::symmetric(fine, &[0, 1].map(|at| order.robot(open[at].robot).step_um));
         let arms = if at == 0 { [Arm::Down, Arm::Up, Arm::Up] } else { [Arm::Down, Arm::Down, Arm::Up] };
-        cycles.backward(robot, arms, goal)
+        (cycles.backward(robot, arms, goal), cycles.total())
     } else {
-        Cycles::<2>::symmetric(fine, &[robot.step_um]).backward(robot, [Arm::Down, Arm::Up], goal)
+        let cycles = Cycles::<2>::symmetric(fine, &[robot.step_um]);
+        (cycles.backward(robot, [Arm::Down, Arm::Up], goal), cycles.total())
     };
     let axis = axis(robot, goal);
     let [back, _] = self::axis(robot, approach);
     let lane = [back, axis[1]];
-    DockingPlace { robot: dock.robot, approach, centre_um: robot.orbit_centre_um(approach), lane, axis }
+    DockingPlace {
+        robot: dock.robot,
+        approach,
+        centre_um: robot.orbit_centre_um(approach),
+        lane,
+        axis,
+        fine_strokes: fine_strokes as f64,
+    }
+}
+
+/// A turn, and a share of a full circle if it is so short that rounding may cost one.
+fn sure_rad(turn_rad: f64) -> f64 {
+    if turn_rad < EDGE_RAD { TAU - (TAU - EDGE_RAD) * turn_rad / EDGE_RAD } else { turn_rad }
 }
 
 /// The axis of a body, from its back to its front.

@@ -1,13 +1,14 @@
-//! Initial legs of an assembly: the whole bed moves so that every robot begins near its place and waits out of the way.
+//! Initial legs of an assembly, or of what is left of one: the whole bed moves so that every robot begins near its place
+//! and waits out of the way.
 //!
 //! Problem: every robot moves with every stroke. After the initial legs, robots are steered one after the other while
 //! the rest orbit where they are. Any path that all of them make at the same time before is saved, and where they then
 //! wait decides whether others get past. Method: threshold accepting. Each descent changes a short sequence of control
 //! states and strokes, from another beginning and with its own random numbers; a change is kept if it does not worsen
 //! the estimate of the whole assembly (`estimate`) by more than a shrinking random threshold, and the legs meet
-//! nothing. Guaranteed: the legs keep the collision rules, consecutive legs have different states, and the same request
-//! gives the same legs. Not guaranteed: that the estimate is met, or that an assembly is found after them. Cost:
-//! `ROUNDS` estimates for each descent.
+//! nothing. Guaranteed: the legs keep the collision rules if no robot has been turning before, consecutive legs have
+//! different states, and the same request gives the same legs. Not guaranteed: that the estimate is met, or that an
+//! assembly is found after them. Cost: `ROUNDS` estimates for each descent.
 
 mod estimate;
 
@@ -39,6 +40,8 @@ pub struct InitialLegSearch<'a> {
     bed: &'a BedPoses,
     estimate: AssemblyEstimate,
     changes: LegChanges,
+    /// Control state of the leg before, from which the first one differs.
+    before: Option<usize>,
 }
 
 /// Candidate legs, and the cost of them and of the assembly after them, in strokes.
@@ -49,18 +52,19 @@ struct InitialLegsCandidate {
 }
 
 impl<'a> InitialLegSearch<'a> {
-    /// Search for robots with these goals; `roomy` is the order with the clearances that the assembly keeps after the
-    /// initial legs. `None` if there is nothing to move.
+    /// Search for robots with these goals, after a leg in control state `before`; `roomy` is the order with the
+    /// clearances that the assembly keeps after the initial legs. `None` if there is nothing to move.
     pub fn new(
         order: &'a MicrorobotsOrder,
         roomy: &MicrorobotsOrder,
         world: &'a CollisionWorld,
         bed: &'a BedPoses,
         docks: &[Dock],
+        before: Option<usize>,
     ) -> Option<InitialLegSearch<'a>> {
         let changes = LegChanges::new(world, &bed.docked)?;
         let estimate = AssemblyEstimate::new(roomy, world, bed, docks)?;
-        Some(InitialLegSearch { order, world, bed, estimate, changes })
+        Some(InitialLegSearch { order, world, bed, estimate, changes, before })
     }
 
     /// Runs one descent and returns its best initial legs; `None` if it is best to have none.
@@ -118,7 +122,8 @@ impl<'a> InitialLegSearch<'a> {
     }
 
     fn is_free(&self, legs: &[Leg]) -> bool {
-        self.bed.first_collision(self.world, legs, &NO_DOCKS).is_none()
+        let goes_on = self.before.is_some() && legs.first().map(|leg| leg.state) == self.before;
+        !goes_on && self.world.first_collision(&self.bed.poses, &self.bed.docked, legs, &NO_DOCKS).is_none()
     }
 
     /// Cost in strokes of the legs, with their control cycles, and of the estimate after them.
@@ -133,3 +138,6 @@ impl<'a> InitialLegSearch<'a> {
 }
 
 const NO_DOCKS: [RobotDocking; 0] = [];
+
+#[cfg(test)]
+mod tests;

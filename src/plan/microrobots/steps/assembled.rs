@@ -1,4 +1,5 @@
-//! A step that assembles: the best of the assemblies with and without initial legs.
+//! A step that assembles: the best of the assemblies with and without initial legs, improved after each docking
+//! (`regrouped`).
 //!
 //! If time or control cycles are minimised, assemblies are planned without fine motions, and the two robots that meet
 //! first move at once: such legs are the best that the script of a generator can play. The closed loop, which carries a
@@ -45,10 +46,12 @@ struct AssemblyCandidate {
 impl BedStepPlanner<'_> {
     /// Returns the best assembly found; `None` after its error was pushed (drawn initial legs push none).
     pub fn assembled(&self, docks: &[Dock], sink: &mut Sink) -> Option<MicrorobotsStepMotion> {
-        let search = InitialLegSearch::new(self.order, self.roomy, self.world, self.bed, docks);
+        let search = InitialLegSearch::new(self.order, self.roomy, self.world, self.bed, docks, None);
         if let InitialLegChoice::Drawn(seed) = self.initial_legs {
             let mut meter = Meter::new(self.share(INITIAL_LEGS_SHARE));
-            return search.and_then(|search| self.after(search.descend(seed)?, docks, &mut meter, self.fine_motions()));
+            return search.and_then(|search| {
+                self.after(self.bed, search.descend(seed)?, docks, &mut meter, self.fine_motions())
+            });
         }
         let budget = SearchBudget::of(self.order.expansions);
         let terms = AssemblyTerms { fine: self.fine_motions(), most_stages: assembly::MAX_PLANS };
@@ -68,6 +71,10 @@ impl BedStepPlanner<'_> {
         let _held = best.as_ref().map(|best| IncumbentPlan::begin(|| self.summary(best.motion.legs())));
         if !is_in_vain && self.initial_legs != InitialLegChoice::None {
             self.try_initial_legs(search.as_ref(), meter, docks, &mut best);
+            // The closed loop cannot correct legs of the whole bed, so with errors they cost more success than time.
+            if let Some(best) = best.as_mut().filter(|_| !self.has_errors()) {
+                self.regroup(&mut best.motion, docks, meter);
+            }
         }
         if let (None, Err(none)) = (&best, &direct) {
             let goal = |robot: usize| docks.iter().find(|dock| dock.robot == robot).map(|dock| dock.goal.span);
@@ -88,7 +95,7 @@ impl BedStepPlanner<'_> {
     /// Fine motions of an assembly. If failures are minimised the plan has them, since it is chosen by how the
     /// controller carries it out. Those of single robots take hardly any time, but the closed loop is known to have
     /// room only on paths that were planned with them.
-    fn fine_motions(&self) -> PlannedFineMotions {
+    pub fn fine_motions(&self) -> PlannedFineMotions {
         match self.order.objective {
             MicrorobotsObjective::Time if self.has_errors() => DIRECT_PAIR,
             MicrorobotsObjective::Time | MicrorobotsObjective::Switches => DIRECT,
@@ -136,7 +143,7 @@ impl BedStepPlanner<'_> {
         if is_late(&initial.legs) {
             return;
         }
-        let Some(found) = self.after(initial.clone(), docks, meter, self.fine_motions()) else { return };
+        let Some(found) = self.after(self.bed, initial.clone(), docks, meter, self.fine_motions()) else { return };
         if is_late(found.legs()) {
             return;
         }
@@ -147,9 +154,10 @@ impl BedStepPlanner<'_> {
         }
     }
 
-    /// Plans the assembly after initial legs, on a share of the step's expansions.
-    fn after(
+    /// Plans an assembly from a state of the bed after initial legs, on a share of the step's expansions.
+    pub fn after(
         &self,
+        from: &BedPoses,
         InitialLegs { mut legs, bed }: InitialLegs,
         docks: &[Dock],
         meter: &mut Meter,
@@ -165,10 +173,10 @@ impl BedStepPlanner<'_> {
         if legs.last().map(|leg| leg.state) == later.first().map(|leg| leg.state) {
             return None;
         }
-        stages.insert(0, AssemblyStage::InitialLegs { legs: legs.len() });
+        stages.insert(0, AssemblyStage::BedLegs { legs: legs.len() });
         docking.iter_mut().for_each(|dock| dock.leg += legs.len());
         legs.extend(later);
-        let is_free = self.bed.first_collision(self.world, &legs, &docking).is_none();
+        let is_free = from.first_collision(self.world, &legs, &docking).is_none();
         is_free.then_some(MicrorobotsStepMotion::Legs { legs, docks: docking, stages })
     }
 
@@ -186,7 +194,7 @@ impl BedStepPlanner<'_> {
         }
         let terms = AssemblyTerms { fine: CYCLES, most_stages: assembly::MAX_MORE_PLANS };
         let with_cycles = match &initial {
-            Some(initial) => self.after(initial.clone(), docks, meter, CYCLES),
+            Some(initial) => self.after(self.bed, initial.clone(), docks, meter, CYCLES),
             None => meter.share(self.share(INITIAL_LEGS_SHARE).steps, |meter| {
                 self.assembly(self.bed, None, docks, meter, terms).ok()
             }),
@@ -255,7 +263,7 @@ fn with_paths_of(motion: MicrorobotsStepMotion, other: &MicrorobotsStepMotion) -
 /// Number of legs before the assembly proper.
 fn initial_legs(stages: &[AssemblyStage]) -> usize {
     match stages.first() {
-        Some(AssemblyStage::InitialLegs { legs }) => *legs,
+        Some(AssemblyStage::BedLegs { legs }) => *legs,
         Some(AssemblyStage::Escort { .. } | AssemblyStage::Pair { .. } | AssemblyStage::Single { .. }) | None => 0,
     }
 }

@@ -7,6 +7,7 @@
 mod assembled;
 mod driven;
 mod proofs;
+mod regrouped;
 
 use super::why::BedReasons;
 use super::world::{BedPoses, CollisionWorld};

@@ -38,7 +38,7 @@ pub fn episodes<'a>(order: &MicrorobotsOrder, motion: &'a MicrorobotsMotion) -> 
         // The legs of an escort belong to the episode of its pair, in which the second robot is first brought near.
         for stage in stages.iter().filter(|stage| !matches!(stage, AssemblyStage::Escort { .. })) {
             let end = match stage {
-                AssemblyStage::InitialLegs { legs } => at + legs,
+                AssemblyStage::BedLegs { legs } => at + legs,
                 AssemblyStage::Escort { .. } | AssemblyStage::Pair { .. } | AssemblyStage::Single { .. } => {
                     last_leg(stage, docks).map_or(legs.len(), |leg| leg + 1)
                 }
@@ -64,14 +64,14 @@ pub fn driven(stage: &AssemblyStage) -> Vec<(usize, Pose)> {
         }
         AssemblyStage::Escort { robot, to, .. } => vec![(*robot, *to)],
         AssemblyStage::Single { robot, approach, .. } => vec![(*robot, *approach)],
-        AssemblyStage::InitialLegs { .. } => Vec::new(),
+        AssemblyStage::BedLegs { .. } => Vec::new(),
     }
 }
 
 fn goals(stage: &AssemblyStage) -> Vec<(usize, Pose)> {
     match stage {
         AssemblyStage::Pair { first, second, goals, .. } => vec![(*first, goals[0]), (*second, goals[1])],
-        AssemblyStage::Escort { .. } | AssemblyStage::InitialLegs { .. } => Vec::new(),
+        AssemblyStage::Escort { .. } | AssemblyStage::BedLegs { .. } => Vec::new(),
         AssemblyStage::Single { robot, goal, .. } => vec![(*robot, *goal)],
     }
 }
@@ -92,7 +92,7 @@ fn episode<'a>(
     let (mut gross, mut via_um, mut begins) = (Vec::new(), Vec::new(), 0);
     let steered: &[Leg] = match stage {
         AssemblyStage::Pair { steered, .. } if !steered.is_empty() => steered,
-        AssemblyStage::InitialLegs { .. }
+        AssemblyStage::BedLegs { .. }
         | AssemblyStage::Escort { .. }
         | AssemblyStage::Pair { .. }
         | AssemblyStage::Single { .. } => legs,

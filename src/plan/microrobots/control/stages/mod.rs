@@ -160,7 +160,7 @@ fn of_episode<'a>(order: &'a MicrorobotsOrder, episode: &Episode<'a>, is_written
         return Some(ControlStage::Written(WrittenStage::of(order, episode)));
     }
     match *episode.stage {
-        AssemblyStage::InitialLegs { .. } => Some(ControlStage::Written(WrittenStage::of(order, episode))),
+        AssemblyStage::BedLegs { .. } => Some(ControlStage::Written(WrittenStage::of(order, episode))),
         AssemblyStage::Single { .. } => {
             SingleStage::new(order, episode).map(|stage| ControlStage::Single(Box::new(stage)))
         }

@@ -41,7 +41,7 @@ impl<'a> WrittenStage<'a> {
                 ([Some((first, goals[0])), Some((second, goals[1]))], states[2])
             }
             AssemblyStage::Single { robot, goal, states, .. } => ([Some((robot, goal)), None], states[1]),
-            AssemblyStage::InitialLegs { .. } | AssemblyStage::Escort { .. } => ([None; 2], 0),
+            AssemblyStage::BedLegs { .. } | AssemblyStage::Escort { .. } => ([None; 2], 0),
         };
         WrittenStage { docks, straight, ..WrittenStage::new(order, episode.legs) }
     }

@@ -50,7 +50,7 @@ impl NextDocking {
                 let frame = GoalFrame::new(trial.order.robot(robot), there, gap_um(trial, robot, there));
                 Some(NextDocking::Single { robot, goal, frame })
             }
-            AssemblyStage::InitialLegs { .. } | AssemblyStage::Escort { .. } => None,
+            AssemblyStage::BedLegs { .. } | AssemblyStage::Escort { .. } => None,
         }
     }
 
