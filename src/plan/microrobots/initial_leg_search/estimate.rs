@@ -1,11 +1,12 @@
 //! Estimate of an assembly from given poses: strokes of its stages one after the other, and penalties for too little
 //! room.
 //!
-//! Each robot makes its way from its turning circle straight to that of its approach. A robot that has waited first turns
-//! to it: by half a circle on average, or as far as its orbit requires if that is known. Room is lacking where the disc of a waiting robot, an obstacle or the path of a
-//! steered robot are too near to each other. A strip as wide as the steered robot's orbit disc should be clear along
-//! its path, since a robot with errors drives circles there; a strip as wide as its body must be clear. No claim rests
-//! on the estimate: plans are checked against the collision rules.
+//! Each robot makes its way from its turning circle straight to that of its approach. A robot that has waited first
+//! turns to it: by half a circle on average, or as far as its orbit requires if that is known. Room is lacking where
+//! the disc of a waiting robot, an obstacle or the path of a steered robot are too near to each other. A strip as wide
+//! as the steered robot's orbit disc should be clear along its path, since a robot with errors drives circles there; a
+//! strip as wide as its body must be clear. No claim rests on the estimate: plans are checked against the collision
+//! rules.
 
 use crate::claims::microrobots::{Dock, MicrorobotsOrder};
 use crate::device::microrobots::{Arm, MicrorobotsObjective, Robot};
