@@ -12,7 +12,7 @@ use super::pair::{Roles, roles};
 use crate::claims::microrobots::Dock;
 use crate::device::microrobots::Arm;
 use crate::geometry::{Core, Pose, distance};
-use crate::plan::microrobots::bound::together::RobotArrival;
+use crate::plan::microrobots::bound::together::{self, RobotArrival};
 use crate::plan::microrobots::free;
 use crate::real::Real;
 use nalgebra::Point2;
@@ -47,7 +47,7 @@ impl<'a> Orders<'a> {
     /// Goals not yet reached, those of the robots that snap last first.
     pub fn open<'b>(&'b self, bed: &'b AssemblyState) -> impl Iterator<Item = &'a Dock> + 'b {
         let mut open: Vec<&Dock> = self.docks.iter().filter(|dock| !bed.docked[dock.robot]).collect();
-        open.sort_by_key(|dock| downs(bed, dock.robot));
+        open.sort_by_key(|dock| together::lowering(bed.order, dock.robot).count());
         open.into_iter()
     }
 
@@ -167,12 +167,6 @@ impl<'a> Orders<'a> {
             AssemblyMove::Single { robot, .. } => put(*robot),
         }
     }
-}
-
-/// Number of states in which a robot's arm is down: few for those that snap last.
-fn downs(bed: &AssemblyState, robot: usize) -> usize {
-    let row = bed.order.robots[robot].row;
-    bed.order.states.iter().filter(|state| state.arms[row] == Arm::Down).count()
 }
 
 /// Failure to steer robots, with the first other robot that prevents it.

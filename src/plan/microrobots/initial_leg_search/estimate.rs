@@ -12,6 +12,7 @@ use crate::claims::microrobots::{Dock, MicrorobotsOrder};
 use crate::device::microrobots::{Arm, MicrorobotsObjective, Robot};
 use crate::geometry::Pose;
 use crate::geometry::distance::{point_segment, segment_core};
+use crate::plan::microrobots::bound::together;
 use crate::plan::microrobots::fine::Cycles;
 use crate::plan::microrobots::free::turn_rad;
 use crate::plan::microrobots::world::{BedPoses, CollisionWorld};
@@ -81,7 +82,7 @@ impl AssemblyEstimate {
     /// Estimate for an order; `None` if no robot is left to dock.
     pub fn new(order: &MicrorobotsOrder, world: &CollisionWorld, bed: &BedPoses, docks: &[Dock]) -> Option<Self> {
         let mut open: Vec<&Dock> = docks.iter().filter(|dock| !bed.docked[dock.robot]).collect();
-        open.sort_by_key(|dock| world.lowering_count(dock.robot));
+        open.sort_by_key(|dock| together::lowering(order, dock.robot).count());
         let has_pair = !bed.docked.contains(&true) && open.len() >= 2;
         let places: Vec<DockingPlace> =
             open.iter().enumerate().map(|(at, dock)| place(order, &open, at, has_pair && at < 2, dock)).collect();
@@ -130,29 +131,32 @@ impl AssemblyEstimate {
         self.robots[robot].step_um
     }
 
-    /// Path from a turning circle to that of the approach, and the turn there.
-    fn way_um(&self, place: &DockingPlace, centre_um: Point) -> f64 {
+    /// Length and heading of the run from a turning circle to that of the approach, and the turn there.
+    fn run(&self, place: &DockingPlace, centre_um: Point) -> [f64; 3] {
         let [dx, dy] = [0, 1].map(|axis| place.centre_um[axis] - centre_um[axis]);
-        let robot = &self.robots[place.robot];
-        let turn_rad = turn_rad(robot, dy.arc_tangent_over(dx), place.approach.heading_rad);
-        dx.hypotenuse(dy) + robot.turning_radius_um * turn_rad
+        let aim_rad = dy.arc_tangent_over(dx);
+        [dx.hypotenuse(dy), aim_rad, turn_rad(&self.robots[place.robot], aim_rad, place.approach.heading_rad)]
+    }
+
+    /// Length of the run and of the turn after it.
+    fn way_um(&self, place: &DockingPlace, centre_um: Point) -> f64 {
+        let [run_um, _, last_rad] = self.run(place, centre_um);
+        run_um + self.robots[place.robot].turning_radius_um * last_rad
     }
 
     /// Strokes of a robot that has orbited for `waited` strokes since it had the given heading.
     fn single(&self, place: &DockingPlace, heading_rad: f64, centre_um: Point, waited: f64) -> f64 {
         let robot = &self.robots[place.robot];
-        let [dx, dy] = [0, 1].map(|axis| place.centre_um[axis] - centre_um[axis]);
-        let aim_rad = dy.arc_tangent_over(dx);
-        let turned_rad = waited * robot.step_um / robot.turning_radius_um;
-        let last_rad = turn_rad(robot, aim_rad, place.approach.heading_rad);
+        let [run_um, aim_rad, last_rad] = self.run(place, centre_um);
         let turns_rad = match self.phases {
             OrbitPhases::Average => PI + last_rad,
             OrbitPhases::Known => {
+                let turned_rad = waited * robot.step_um / robot.turning_radius_um;
                 let first_rad = (turn_rad(robot, heading_rad, aim_rad) - turned_rad).rem_euclid(TAU);
                 sure_rad(first_rad) + sure_rad(last_rad)
             }
         };
-        (dx.hypotenuse(dy) + robot.turning_radius_um * turns_rad) / robot.step_um + place.fine_strokes
+        (run_um + robot.turning_radius_um * turns_rad) / robot.step_um + place.fine_strokes
     }
 
     /// Strokes of the first two robots: the first one's path to where it begins to run straight, then the second one's

@@ -7,6 +7,7 @@
 //! descents and assemblies of what is left for each docking.
 
 use super::super::initial_leg_search::InitialLegSearch;
+use super::super::initial_legs::InitialLegs;
 use super::super::world::BedPoses;
 use super::super::{AssemblyStage, Leg, MicrorobotsStepMotion, RobotDocking};
 use super::BedStepPlanner;
@@ -28,8 +29,13 @@ impl BedStepPlanner<'_> {
     /// Replaces what comes after each docking by something better, if it is found.
     pub fn regroup(&self, motion: &mut MicrorobotsStepMotion, docks: &[Dock], meter: &mut Meter) {
         for docked in 1..docks.len() {
+            let Some(part) = self.part(motion, docked) else { continue };
+            let left: Vec<Dock> = docks.iter().filter(|dock| !part.bed.docked[dock.robot]).cloned().collect();
+            let before = part.legs.last().map(|leg| leg.state);
+            let search = InitialLegSearch::new(self.order, self.roomy, self.world, &part.bed, &left, before);
+            let Some(search) = search else { continue };
             for seed in 1..=DESCENTS {
-                let other = self.part(motion, docked).and_then(|part| self.continued(&part, seed, docks, meter));
+                let other = search.descend(seed).and_then(|initial| self.continued(&part, initial, &left, meter));
                 if let Some(other) = other.filter(|other| self.cost(other.legs()) < self.cost(motion.legs())) {
                     *motion = other;
                 }
@@ -41,14 +47,11 @@ impl BedStepPlanner<'_> {
     fn continued(
         &self,
         part: &PartialAssembly,
-        seed: u64,
-        docks: &[Dock],
+        initial: InitialLegs,
+        left: &[Dock],
         meter: &mut Meter,
     ) -> Option<MicrorobotsStepMotion> {
-        let left: Vec<Dock> = docks.iter().filter(|dock| !part.bed.docked[dock.robot]).cloned().collect();
-        let before = part.legs.last().map(|leg| leg.state);
-        let search = InitialLegSearch::new(self.order, self.roomy, self.world, &part.bed, &left, before)?;
-        let later = self.after(&part.bed, search.descend(seed)?, &left, meter, self.fine_motions())?;
+        let later = self.after(&part.bed, initial, left, meter, self.fine_motions())?;
         let MicrorobotsStepMotion::Legs { legs, docks, stages } = later else { return None };
         let docks = docks.into_iter().map(|dock| RobotDocking { leg: dock.leg + part.legs.len(), ..dock });
         Some(MicrorobotsStepMotion::Legs {

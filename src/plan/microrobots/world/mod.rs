@@ -168,11 +168,6 @@ impl CollisionWorld {
         (0..self.state_count()).filter(|state| self.keeps_docked_arms_up(*state, docked))
     }
 
-    /// Number of control states in which the arm of a robot is down: few for those that snap down last.
-    pub fn lowering_count(&self, robot: usize) -> usize {
-        (0..self.state_count()).filter(|state| self.arm(*state, robot) == Arm::Down).count()
-    }
-
     /// Path of the fastest robot that is not docked in one stroke; 0 if none moves.
     pub fn fastest_step_um(&self, docked: &[bool]) -> f64 {
         let moving = self.bodies.iter().zip(docked).filter(|(_, docked)| !**docked);

@@ -124,8 +124,8 @@ fn choices(needed: &StrokesNeeded, earlier: &[CircleChoice]) -> Vec<CircleChoice
     circles.into_iter().map(choice).collect()
 }
 
-/// Control states that lower the arm of a robot.
-fn lowering(order: &MicrorobotsOrder, robot: usize) -> impl Iterator<Item = usize> {
+/// Control states that lower the arm of a robot: few for those that snap down last.
+pub fn lowering(order: &MicrorobotsOrder, robot: usize) -> impl Iterator<Item = usize> {
     let row = order.robots[robot].row;
     (0..order.states.len()).filter(move |state| order.states[*state].arms[row] == Arm::Down)
 }
