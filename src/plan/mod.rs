@@ -9,6 +9,7 @@ pub mod electrode_array;
 mod errors;
 pub mod fingers;
 pub mod microrobots;
+pub mod parallel;
 mod requirements;
 pub mod search;
 pub mod watch;

@@ -19,7 +19,7 @@ thread_local! {
     static WATCHED_BY: RefCell<Option<Arc<SearchWatch>>> = const { RefCell::new(None) };
 }
 
-/// Progress of the searches of one thread, and the request that they end.
+/// Progress of the searches of one thread and of those that help it, and the request that they end.
 #[derive(Debug, Default)]
 pub struct SearchWatch {
     steps: AtomicU64,
@@ -72,6 +72,11 @@ impl SearchWatch {
 
 fn watched<T>(read: impl FnOnce(&SearchWatch) -> T) -> Option<T> {
     WATCHED_BY.with_borrow(|watch| watch.as_deref().map(read))
+}
+
+/// The watch over the searches of this thread.
+pub(super) fn current() -> Option<Arc<SearchWatch>> {
+    WATCHED_BY.with_borrow(Clone::clone)
 }
 
 /// Resets the progress for the next job.

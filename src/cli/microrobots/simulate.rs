@@ -11,6 +11,7 @@ use crate::cli::{Exit, errors, terminal};
 use crate::compile::{self, ProgramSource};
 use crate::diagnostic::Sink;
 use crate::plan::microrobots::simulation::{EndedTrial, SimulatedBed};
+use crate::plan::parallel::processors;
 use crate::plan::{self, Motion, Plan};
 use crate::quantity::digits;
 use crate::simulate::{
@@ -104,10 +105,7 @@ fn one(
 ) -> Option<Result<String, NoTrials>> {
     let (trials, seed) = (u64::from(arguments.trials), arguments.seed);
     let report = match arguments.against_controller {
-        false => {
-            let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-            simulate_disturbed(&plan.motion, arguments.disturbances(), trials, seed, threads).map(Ok)
-        }
+        false => simulate_disturbed(&plan.motion, arguments.disturbances(), trials, seed, processors()).map(Ok),
         true => against(claims, job, plan, arguments),
     };
     let report = match report? {

@@ -107,6 +107,11 @@ impl Robot {
     /// Centre of its turning circle.
     pub fn orbit_centre_um(&self, pose: Pose) -> [f64; 2] {
         let (sin, cos) = pose.heading_rad.sine_cosine();
+        self.orbit_centre_facing_um(pose, [cos, sin])
+    }
+
+    /// The same, given the cosine and the sine of the heading.
+    pub fn orbit_centre_facing_um(&self, pose: Pose, [cos, sin]: [f64; 2]) -> [f64; 2] {
         let curve = self.turning.sign() * self.turning_radius_um;
         [pose.x_um - curve * sin, pose.y_um + curve * cos]
     }

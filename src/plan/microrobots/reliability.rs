@@ -3,10 +3,10 @@
 //! Problem: plans that take about the same time differ widely in how often robots with errors carry them out, because a
 //! robot that recovers from an error drives circles, which hit what stands near. Method: the job is planned again with
 //! more room (`ROOMS`) and other initial legs. All plans are simulated with a few trials, the rooms of the best ones
-//! get more initial legs, and the better plans get more and more trials. Guaranteed: the plan keeps the clearances of
-//! the task, and the same request gives the same plan. Not guaranteed: that no plan fails less. The reported share is
-//! counted in separate trials, so that the choice does not flatter it. Cost: about twenty-five plans, and two thousand
-//! trials in all.
+//! get more initial legs, and the better plans get more and more trials; again, until a plan rarely fails. Guaranteed:
+//! the plan keeps the clearances of the task, and the same request gives the same plan. Not guaranteed: that no plan
+//! fails less. The reported share is counted in separate trials, so that the choice does not flatter it. Cost: 26 to 50
+//! plans, and one to three thousand trials in all.
 
 use super::simulation::{self, SimulationReport};
 use super::steps::{BedRoute, InitialLegChoice, plan_steps};
@@ -16,8 +16,10 @@ use crate::claims::Job;
 use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsOrder};
 use crate::device::microrobots::MicrorobotsObjective;
 use crate::diagnostic::{Code, Diagnostic, Remark, Sink};
-use crate::plan::watch::IncumbentPlan;
+use crate::plan::parallel::{self, processors};
+use crate::plan::watch::{self, IncumbentPlan};
 use crate::quantity::digits;
+use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -35,16 +37,19 @@ const ROOMS: [[f64; 3]; 8] = [
     [0.3, 1.8, 2.0],
 ];
 
-/// Seeds of initial legs: `FIRST_DRAWS` for each room, then up to `DRAWS` for the `GOOD_ROOMS` rooms of the best plans.
+/// Seeds of initial legs: `FIRST_DRAWS` for each room, then `MORE_DRAWS` at a time for the `GOOD_ROOMS` rooms of the
+/// best plans, up to `MAX_PASSES` times or until at most `RARE_FAILURES` of the trials of the best plan fail.
 const FIRST_DRAWS: u64 = 2;
+const MORE_DRAWS: u64 = 4;
 const GOOD_ROOMS: usize = 2;
-const DRAWS: u64 = 6;
+const MAX_PASSES: usize = 4;
+const RARE_FAILURES: f64 = 0.05;
 
-/// Trials of each plan before the rooms are chosen.
-const FIRST_TRIALS: u64 = 16;
+/// Most plans: the fastest one, one without initial legs, and those with all initial legs drawn.
+const MAX_POOL: usize = 2 + ROOMS.len() * FIRST_DRAWS as usize + MAX_PASSES * GOOD_ROOMS * MORE_DRAWS as usize;
 
 /// Rounds of the choice: trials per plan, and the most plans that enter the round.
-const ROUNDS: [(u64, usize); 3] = [(20, usize::MAX), (60, 6), (200, 2)];
+const ROUNDS: [(u64, usize); 3] = [(20, MAX_POOL), (60, 6), (200, 2)];
 
 /// Seed of the trials used for the choice.
 const CHOICE_SEED: u64 = 2;
@@ -82,47 +87,121 @@ pub fn most_reliable(order: &MicrorobotsOrder, start: &Crew, is_first: bool, fas
     if !can_fail || !assembles(order) {
         return fastest;
     }
-    let rooms = ROOMS.map(|shares| widened(order, shares));
-    let planned = |room: usize, initial_legs: InitialLegChoice, routes: &mut Vec<(usize, BedRoute)>| {
-        let route = plan_steps(order, &rooms[room], start, is_first, initial_legs, &mut Sink::default());
-        let is_new = |route: &BedRoute| routes.iter().all(|other| other.1.motion != route.motion);
-        if let Some(route) = route.filter(is_new) {
-            routes.push((room, route));
-        }
-    };
     let _held = IncumbentPlan::begin(|| format!("{:.1} s", fastest.motion.duration_ns(order) as f64 / 1e9));
-    let mut routes = vec![(0, fastest)];
-    planned(0, InitialLegChoice::None, &mut routes);
-    for room in 0..ROOMS.len() {
-        (1..=FIRST_DRAWS).for_each(|seed| planned(room, InitialLegChoice::Drawn(seed), &mut routes));
-    }
-    let all = |routes: &[(usize, BedRoute)]| (0..routes.len()).collect::<Vec<usize>>();
-    let mut good: Vec<usize> = Vec::new();
-    for route in ranked(order, &routes, all(&routes), FIRST_TRIALS) {
-        if !good.contains(&routes[route].0) && good.len() < GOOD_ROOMS {
-            good.push(routes[route].0);
+    let mut pool = PlanPool::new(order, start, is_first, fastest);
+    pool.plan(&[(0, InitialLegChoice::None)]);
+    pool.draw(0..ROOMS.len(), FIRST_DRAWS);
+    let mut best = 0;
+    for _ in 0..MAX_PASSES {
+        let good = pool.good_rooms();
+        pool.draw(good, MORE_DRAWS);
+        let (plan, failures) = pool.best();
+        best = plan;
+        if failures <= RARE_FAILURES || !watch::may_continue() {
+            break;
         }
     }
-    for room in good {
-        (FIRST_DRAWS + 1..=DRAWS).for_each(|seed| planned(room, InitialLegChoice::Drawn(seed), &mut routes));
-    }
-    let mut kept = all(&routes);
-    for (trials, most) in ROUNDS {
-        kept.truncate(most);
-        kept = ranked(order, &routes, kept, trials);
-    }
-    routes.swap_remove(kept.first().copied().unwrap_or_default()).1
+    pool.plans.swap_remove(best).route
 }
 
-/// Sorts plans by how many of `trials` trials fail, then by duration.
-fn ranked(order: &MicrorobotsOrder, routes: &[(usize, BedRoute)], mut kept: Vec<usize>, trials: u64) -> Vec<usize> {
-    let work = MAX_WORK / kept.len().max(1) as u64;
-    let failures = |route: &usize| {
-        let report = simulated(order, &routes[*route].1.motion, LEAST_TRIALS..=trials, CHOICE_SEED, work);
-        report.map_or(u64::MAX, |report| (report.trials - report.successes) * trials / report.trials.max(1))
-    };
-    kept.sort_by_cached_key(|route| (failures(route), routes[*route].1.motion.duration_ns(order), *route));
-    kept
+/// A plan, and the room that it keeps.
+struct PooledPlan {
+    room: usize,
+    route: BedRoute,
+}
+
+/// Plans of one job, among which the one that fails least is chosen.
+struct PlanPool<'a> {
+    order: &'a MicrorobotsOrder,
+    start: &'a Crew,
+    is_first: bool,
+    /// The order with each of the `ROOMS`, and the number of initial legs drawn for it.
+    rooms: [MicrorobotsOrder; ROOMS.len()],
+    drawn: [u64; ROOMS.len()],
+    plans: Vec<PooledPlan>,
+    /// Share of trials that fail, by plan and round.
+    failures: BTreeMap<(usize, usize), f64>,
+}
+
+impl<'a> PlanPool<'a> {
+    fn new(order: &'a MicrorobotsOrder, start: &'a Crew, is_first: bool, fastest: BedRoute) -> PlanPool<'a> {
+        let rooms = ROOMS.map(|shares| widened(order, shares));
+        let plans = vec![PooledPlan { room: 0, route: fastest }];
+        PlanPool { order, start, is_first, rooms, drawn: [0; ROOMS.len()], plans, failures: BTreeMap::new() }
+    }
+
+    /// Adds the plans with these rooms and initial legs, as far as there are any and they are new.
+    fn plan(&mut self, choices: &[(usize, InitialLegChoice)]) {
+        let planned = |choice: usize| {
+            if !watch::may_continue() {
+                return None;
+            }
+            let (room, initial) = choices[choice];
+            let sink = &mut Sink::default();
+            let route = plan_steps(self.order, &self.rooms[room], self.start, self.is_first, initial, sink)?;
+            Some(PooledPlan { room, route })
+        };
+        for plan in parallel::in_order(choices.len(), processors(), planned).into_iter().flatten() {
+            if self.plans.iter().all(|other| other.route.motion != plan.route.motion) {
+                self.plans.push(plan);
+            }
+        }
+    }
+
+    /// Adds plans with that many more initial legs in each of these rooms.
+    fn draw(&mut self, rooms: impl IntoIterator<Item = usize>, draws: u64) {
+        let mut choices = Vec::new();
+        for room in rooms {
+            let first = self.drawn[room] + 1;
+            self.drawn[room] += draws;
+            choices.extend((first..=self.drawn[room]).map(|seed| (room, InitialLegChoice::Drawn(seed))));
+        }
+        self.plan(&choices);
+    }
+
+    /// Rooms of the plans that fail least in the first round.
+    fn good_rooms(&mut self) -> Vec<usize> {
+        let mut good: Vec<usize> = Vec::new();
+        for plan in self.ranked((0..self.plans.len()).collect(), 0) {
+            let room = self.plans[plan].room;
+            if !good.contains(&room) && good.len() < GOOD_ROOMS {
+                good.push(room);
+            }
+        }
+        good
+    }
+
+    /// The plan that fails least after all rounds, and the share of its trials that fail in the last one.
+    fn best(&mut self) -> (usize, f64) {
+        let mut kept = (0..self.plans.len()).collect();
+        for round in 0..ROUNDS.len() {
+            kept = self.ranked(kept, round);
+        }
+        let best = kept.first().copied().unwrap_or_default();
+        (best, self.failures(best, ROUNDS.len() - 1))
+    }
+
+    /// The first plans of these that enter a round, by how many of its trials fail, then by duration.
+    fn ranked(&mut self, mut plans: Vec<usize>, round: usize) -> Vec<usize> {
+        plans.truncate(ROUNDS[round].1);
+        let mut ranked: Vec<(f64, u64, usize)> = Vec::with_capacity(plans.len());
+        for plan in plans {
+            ranked.push((self.failures(plan, round), self.plans[plan].route.motion.duration_ns(self.order), plan));
+        }
+        ranked.sort_by(|one, other| one.0.total_cmp(&other.0).then((one.1, one.2).cmp(&(other.1, other.2))));
+        ranked.into_iter().map(|(_, _, plan)| plan).collect()
+    }
+
+    /// Share of a plan's trials in a round that fail; infinite if it is too long to be simulated.
+    fn failures(&mut self, plan: usize, round: usize) -> f64 {
+        let (trials, most) = ROUNDS[round];
+        let simulated = || {
+            let motion = &self.plans[plan].route.motion;
+            let report = simulated(self.order, motion, LEAST_TRIALS..=trials, CHOICE_SEED, MAX_WORK / most as u64);
+            report.map_or(f64::INFINITY, |report| 1.0 - report.successes as f64 / report.trials.max(1) as f64)
+        };
+        *self.failures.entry((plan, round)).or_insert_with(simulated)
+    }
 }
 
 /// Share of simulated trials of a plan that fail; adds a remark on it, and a warning if most fail. `None` if nothing is
@@ -193,6 +272,5 @@ pub(super) fn simulated(
     let work = intervals.saturating_mul(INTERVAL_WORK).saturating_add((strokes * stroke_um / STRETCH_UM) as u64);
     let work = work.saturating_add(1);
     let allowed = (most_work / work).min(*trials.end());
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    (allowed >= *trials.start()).then(|| simulation::simulate(order, motion, allowed, seed, threads)).flatten()
+    (allowed >= *trials.start()).then(|| simulation::simulate(order, motion, allowed, seed, processors())).flatten()
 }

@@ -62,7 +62,8 @@ pub struct DrivePlan {
     /// Strokes of the shortest path to the stops themselves, without obstacles. Drives that stop short within the
     /// precision may have fewer.
     pub exact_strokes: u64,
-    /// Whether it has at most `exact_strokes` plus one per leg.
+    /// Whether it has at most `exact_strokes` plus one per leg, or replaces such a drive because it costs less: fewer
+    /// control cycles may be worth more strokes.
     pub direct: bool,
     /// Steps of the budget spent.
     pub spent: u64,
@@ -136,7 +137,7 @@ impl StuckReason {
 /// See [`StuckReason`].
 pub fn drive(request: &DriveRequest, budget: SearchBudget) -> Result<DrivePlan, StuckDrive> {
     let mut progress =
-        DriveProgress { request, meter: Meter::new(budget), legs: Vec::new(), met: Vec::new(), paths: 0 };
+        DriveProgress { request, meter: Meter::new(budget), legs: Vec::new(), met: Vec::new(), paths: 0, extra: 0 };
     for (stop, goal) in request.stops.iter().enumerate() {
         let stuck = |reason, progress: &DriveProgress| StuckDrive {
             stop,
@@ -157,6 +158,8 @@ struct DriveProgress<'a> {
     legs: Vec<Leg>,
     met: Vec<usize>,
     paths: usize,
+    /// Strokes beyond those of the drives to the stops themselves, where those cost more.
+    extra: u64,
 }
 
 impl DriveProgress<'_> {
@@ -187,7 +190,16 @@ impl DriveProgress<'_> {
         let is_clear = exact.direct().is_ok();
         let exact = if is_clear { self.reach_exactly(from, goal, around).ok() } else { None };
         let cost = |legs: &[Leg]| legs_cost(order, legs);
-        self.legs = exact.filter(|exact| cost(exact) <= cost(&short)).unwrap_or(short);
+        // Each leg may be rounded up by one stroke.
+        let rounded = |legs: &[Leg]| legs.iter().map(|leg| leg.strokes.saturating_sub(1)).sum::<u64>();
+        self.legs = match exact {
+            Some(exact) if cost(&exact) <= cost(&short) => exact,
+            Some(exact) => {
+                self.extra += rounded(&short).saturating_sub(rounded(&exact));
+                short
+            }
+            None => short,
+        };
         Ok(())
     }
 
@@ -306,7 +318,7 @@ impl DriveProgress<'_> {
             met: self.met,
             strokes,
             exact_strokes,
-            direct: strokes <= exact_strokes + self.legs.len() as u64,
+            direct: strokes <= exact_strokes + self.extra + self.legs.len() as u64,
             spent: self.meter.spent(),
             legs: self.legs,
         }

@@ -85,30 +85,40 @@ pub fn length_um(way: &[ArmSegment]) -> f64 {
 
 /// A shortest path.
 pub fn shortest(robot: &Robot, from: Pose, to: Pose) -> Vec<ArmSegment> {
-    best(robot, from, to).segments(robot.turning_radius_um)
+    words(robot, from, to)[0].segments(robot.turning_radius_um)
 }
 
 /// Length of a shortest path.
 pub fn distance_um(robot: &Robot, from: Pose, to: Pose) -> f64 {
-    best(robot, from, to).length_um(robot.turning_radius_um)
+    distance_about_um(robot, CentredPose::of(robot, from), CentredPose::of(robot, to))
 }
 
-fn best(robot: &Robot, from: Pose, to: Pose) -> DubinsWord {
-    words(robot, from, to)[0]
+/// Length of a shortest path between poses that are given by their turning centres.
+pub fn distance_about_um(robot: &Robot, from: CentredPose, to: CentredPose) -> f64 {
+    MirroredJourney::new(robot, from, to).words()[0].length_um(robot.turning_radius_um)
+}
+
+/// A pose by its turning centre.
+#[derive(Debug, Clone, Copy)]
+pub struct CentredPose {
+    pub centre_um: [f64; 2],
+    pub heading_rad: f64,
+    /// Cosine and sine of the heading.
+    pub axis: [f64; 2],
+}
+
+impl CentredPose {
+    pub fn of(robot: &Robot, pose: Pose) -> CentredPose {
+        let (sin, cos) = pose.heading_rad.sine_cosine();
+        let axis = [cos, sin];
+        CentredPose { centre_um: robot.orbit_centre_facing_um(pose, axis), heading_rad: pose.heading_rad, axis }
+    }
 }
 
 /// The paths without a needless edge, the shortest first: turn–straight–turn, and straight–turn–straight. If the latter
 /// does not exist, both entries are the former.
 pub fn words(robot: &Robot, from: Pose, to: Pose) -> [DubinsWord; 2] {
-    let journey = MirroredJourney::new(robot, from, to);
-    let one = journey.turn_run_turn();
-    match journey.run_turn_run() {
-        None => [one, one],
-        Some(other) if other.length_um(robot.turning_radius_um) < one.length_um(robot.turning_radius_um) => {
-            [other, one]
-        }
-        Some(other) => [one, other],
-    }
+    MirroredJourney::new(robot, CentredPose::of(robot, from), CentredPose::of(robot, to)).words()
 }
 
 /// Angle from one heading to another in the robot's turning sense, in [0, 2π); almost 2π counts as 0.
@@ -133,15 +143,24 @@ struct MirroredJourney {
 }
 
 impl MirroredJourney {
-    fn new(robot: &Robot, from: Pose, to: Pose) -> Self {
-        let ([ax, ay], [bx, by]) = (robot.orbit_centre_um(from), robot.orbit_centre_um(to));
-        let (sin, cos) = from.heading_rad.sine_cosine();
-        let (dx, dy) = (bx - ax, by - ay);
+    fn new(robot: &Robot, from: CentredPose, to: CentredPose) -> Self {
+        let [cos, sin] = from.axis;
+        let [dx, dy] = [0, 1].map(|axis| to.centre_um[axis] - from.centre_um[axis]);
         let along_um = [dx * cos + dy * sin, robot.turning.sign() * (dy * cos - dx * sin)];
         let distance_um = along_um[0].hypotenuse(along_um[1]);
         let aim_rad = along_um[1].arc_tangent_over(along_um[0]).rem_euclid(TAU);
         let turn_rad = turn_rad(robot, from.heading_rad, to.heading_rad);
         MirroredJourney { radius_um: robot.turning_radius_um, along_um, distance_um, aim_rad, turn_rad }
+    }
+
+    /// See [`words`].
+    fn words(&self) -> [DubinsWord; 2] {
+        let one = self.turn_run_turn();
+        match self.run_turn_run() {
+            None => [one, one],
+            Some(other) if other.length_um(self.radius_um) < one.length_um(self.radius_um) => [other, one],
+            Some(other) => [one, other],
+        }
     }
 
     fn turn_run_turn(&self) -> DubinsWord {
@@ -205,7 +224,11 @@ pub fn least_um(robot: &Robot, from: PoseWithin, to: PoseWithin) -> f64 {
 /// The optimum of the module's documentation with every quantity at its cheapest within the slacks: each centre lies
 /// within place + r × heading of the pose's own, and the frame of the first heading may be rotated by its slack.
 pub fn least_ways(robot: &Robot, from: PoseWithin, to: PoseWithin) -> LeastWays {
-    let (journey, before, after) = (MirroredJourney::new(robot, from.pose, to.pose), from.slack, to.slack);
+    let (journey, before, after) = (
+        MirroredJourney::new(robot, CentredPose::of(robot, from.pose), CentredPose::of(robot, to.pose)),
+        from.slack,
+        to.slack,
+    );
     let off_rad = before.heading_rad + after.heading_rad + SLACK_RAD;
     let off_um = before.place_um + after.place_um + journey.radius_um * off_rad + SLACK_UM;
     let is_nearly_round = journey.turn_rad >= TAU - off_rad;
@@ -252,7 +275,7 @@ impl MirroredJourney {
 
 /// Least number of segments of any path that ends within `slack` of the goal.
 pub fn fewest_segments(robot: &Robot, from: Pose, to: Pose, slack: Precision) -> usize {
-    let journey = MirroredJourney::new(robot, from, to);
+    let journey = MirroredJourney::new(robot, CentredPose::of(robot, from), CentredPose::of(robot, to));
     let off_um = slack.place_um + journey.radius_um * slack.heading_rad;
     let straight = journey.turn_rad <= slack.heading_rad || journey.turn_rad >= TAU - slack.heading_rad;
     let (sin, cos) = journey.turn_rad.sine_cosine();

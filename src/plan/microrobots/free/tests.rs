@@ -129,13 +129,13 @@ proptest! {
                 y_um: to.y_um + slack.place_um * share * turn.sin(),
                 heading_rad: to.heading_rad + slack.heading_rad * heading,
             };
-            let word = best(&robot, from, other);
+            let word = words(&robot, from, other)[0];
             let loose = |pose: Pose| PoseWithin { pose, slack };
             for (before, after) in [(exact(from), loose(to)), (loose(from), exact(other)), (loose(from), loose(to))] {
                 let least_um = least_um(&robot, before, after);
                 prop_assert!(least_um <= word.length_um(robot.turning_radius_um) + 1e-6, "{least_um} {word:?}");
             }
-            let back = best(&robot, other, from).length_um(robot.turning_radius_um);
+            let back = words(&robot, other, from)[0].length_um(robot.turning_radius_um);
             prop_assert!(least_um(&robot, loose(to), exact(from)) <= back + 1e-6);
             let segments = word.segments(robot.turning_radius_um).len();
             prop_assert!(fewest_segments(&robot, from, to, slack) <= segments);

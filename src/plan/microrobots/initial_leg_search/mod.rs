@@ -18,6 +18,7 @@ use super::world::{BedPoses, CollisionWorld};
 use super::{Leg, RobotDocking};
 use crate::claims::microrobots::{Dock, MicrorobotsOrder};
 use crate::geometry::Pose;
+use crate::plan::parallel;
 use crate::random::SplitMix64;
 use estimate::AssemblyEstimate;
 
@@ -65,6 +66,12 @@ impl<'a> InitialLegSearch<'a> {
         let changes = LegChanges::new(world, &bed.docked)?;
         let estimate = AssemblyEstimate::new(roomy, world, bed, docks)?;
         Some(InitialLegSearch { order, world, bed, estimate, changes, before })
+    }
+
+    /// The best initial legs of descents with the seeds from 1 on, as far as there are any.
+    pub fn descents(&self, count: usize) -> Vec<InitialLegs> {
+        let descend = |descent: usize| self.descend(descent as u64 + 1);
+        parallel::in_order(count, parallel::processors(), descend).into_iter().flatten().collect()
     }
 
     /// Runs one descent and returns its best initial legs; `None` if it is best to have none.

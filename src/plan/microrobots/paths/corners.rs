@@ -6,11 +6,14 @@
 //! side. In addition: points on the first and the last heading, and a coarse lattice. A candidate is kept only if the
 //! robot can be there with some heading.
 
-use super::PathRequest;
+use super::{PathRequest, SHORTEST_UM};
+use crate::device::microrobots::Robot;
 use crate::geometry::{Core, Rounded};
-use crate::plan::microrobots::free;
+use crate::plan::microrobots::free::{self, CentredPose};
 use crate::plan::microrobots::world::{MARGIN_UM, OrbitDisc, OrientedRectangle};
 use crate::real::Real;
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
 /// Directions around a point.
@@ -33,7 +36,8 @@ const ROOM_UM: f64 = 0.5 + MARGIN_UM;
 
 /// Corners in the order in which they are tried: those with the shortest paths through them first.
 pub(super) struct OrderedCorners {
-    ranked: std::vec::IntoIter<[f64; 2]>,
+    /// The others. Most are never needed, so they are not sorted.
+    left: BinaryHeap<Reverse<RankedCorner>>,
     kept: Vec<[f64; 2]>,
 }
 
@@ -44,17 +48,15 @@ impl OrderedCorners {
         points.iter().for_each(|point| around_point(request, point, &mut found));
         along_headings(request, &mut found);
         lattice(request, &points, &mut found);
-        let cost_um = |corner: [f64; 2]| cost_um(request, corner);
-        let mut ranked: Vec<(f64, [f64; 2])> = found.into_iter().map(|corner| (cost_um(corner), corner)).collect();
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1[0].total_cmp(&b.1[0])).then(a.1[1].total_cmp(&b.1[1])));
-        let ranked: Vec<[f64; 2]> = ranked.into_iter().map(|(_, corner)| corner).collect();
-        OrderedCorners { ranked: ranked.into_iter(), kept: Vec::new() }
+        let detour = CornerDetour::new(request);
+        let ranked = |at_um: [f64; 2]| Reverse(RankedCorner { cost_um: detour.cost_um(at_um), at_um });
+        OrderedCorners { left: found.into_iter().map(ranked).collect(), kept: Vec::new() }
     }
 
     /// The first `count` corners at which the robot can be; fewer if there are no more.
     pub(super) fn first(&mut self, request: &PathRequest, count: usize) -> &[[f64; 2]] {
         while self.kept.len() < count {
-            let Some(corner) = self.ranked.next() else { break };
+            let Some(Reverse(RankedCorner { at_um: corner, .. })) = self.left.pop() else { break };
             let far = |other: &[f64; 2]| (other[0] - corner[0]).hypotenuse(other[1] - corner[1]) > SAME_UM;
             if self.kept.iter().all(far) && is_usable(request, corner) {
                 self.kept.push(corner);
@@ -64,11 +66,60 @@ impl OrderedCorners {
     }
 }
 
-/// Cost of a path via a corner without obstacles: a turn and a run to the corner, then the free optimum.
-fn cost_um(request: &PathRequest, corner: [f64; 2]) -> f64 {
-    let Some([turn, run]) = request.leg_to(request.from, corner) else { return f64::INFINITY };
-    let pose = request.end(request.from, &[turn, run]);
-    turn.way_um + run.way_um + free::distance_um(request.facts(), pose, request.to)
+/// A corner, ordered by its cost, then by its place.
+#[derive(Clone, Copy)]
+struct RankedCorner {
+    cost_um: f64,
+    at_um: [f64; 2],
+}
+
+impl Ord for RankedCorner {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_axis = |axis: usize| self.at_um[axis].total_cmp(&other.at_um[axis]);
+        self.cost_um.total_cmp(&other.cost_um).then_with(|| by_axis(0)).then_with(|| by_axis(1))
+    }
+}
+
+impl PartialOrd for RankedCorner {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for RankedCorner {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for RankedCorner {}
+
+/// Paths via a corner without obstacles: a turn and a run to the corner, then the free optimum.
+struct CornerDetour<'a> {
+    robot: &'a Robot,
+    from: CentredPose,
+    to: CentredPose,
+}
+
+impl<'a> CornerDetour<'a> {
+    fn new(request: &PathRequest<'a>) -> CornerDetour<'a> {
+        let robot = request.facts();
+        CornerDetour { robot, from: CentredPose::of(robot, request.from), to: CentredPose::of(robot, request.to) }
+    }
+
+    /// Length of the path; infinite if the turning centre is at the corner already.
+    fn cost_um(&self, corner: [f64; 2]) -> f64 {
+        let [dx, dy] = [0, 1].map(|axis| corner[axis] - self.from.centre_um[axis]);
+        let run_um = dx.hypotenuse(dy);
+        if run_um <= SHORTEST_UM {
+            return f64::INFINITY;
+        }
+        let heading_rad = dy.arc_tangent_over(dx);
+        let turn_rad = free::turn_rad(self.robot, self.from.heading_rad, heading_rad);
+        let there = CentredPose { centre_um: corner, heading_rad, axis: [dx / run_um, dy / run_um] };
+        let rest_um = free::distance_about_um(self.robot, there, self.to);
+        turn_rad * self.robot.turning_radius_um + run_um + rest_um
+    }
 }
 
 fn is_usable(request: &PathRequest, corner: [f64; 2]) -> bool {

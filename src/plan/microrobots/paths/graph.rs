@@ -1,7 +1,8 @@
 //! Visibility graph: pairs of corners between which a robot can run straight, and the shortest polyline lengths over
 //! them.
 //!
-//! An edge has one heading, whatever the turns before and after it, so each pair is tested once.
+//! An edge has one heading, whatever the turns before and after it, so each pair is tested at most once; most of them
+//! are never asked for.
 
 use super::{PathRequest, SHORTEST_UM};
 use crate::device::microrobots::Arm;
@@ -9,34 +10,28 @@ use crate::plan::microrobots::free::ArmSegment;
 use crate::real::Real;
 
 /// Edges between corners, and from them to the goal.
-pub(super) struct Graph {
-    count: usize,
-    /// By the corner where it begins, then by the one where it ends.
-    leads: Vec<bool>,
+pub(super) struct Graph<'a> {
+    request: &'a PathRequest<'a>,
+    corners: &'a [[f64; 2]],
+    /// Whether a run is free, by the corner where it begins, then by the one where it ends; `None` if not yet tested.
+    tested: Vec<Option<bool>>,
     /// Length of the shortest polyline to the goal's turning centre, without turns; infinite if there is none.
     rest_um: Vec<f64>,
 }
 
-impl Graph {
-    /// Tests every pair of corners.
-    pub(super) fn new(request: &PathRequest, corners: &[[f64; 2]]) -> Self {
-        let count = corners.len();
+impl<'a> Graph<'a> {
+    pub(super) fn new(request: &'a PathRequest, corners: &'a [[f64; 2]]) -> Self {
         let goal_um = request.facts().orbit_centre_um(request.to);
-        let mut leads = vec![false; count * count];
-        for (from, a) in corners.iter().enumerate() {
-            for (to, b) in corners.iter().enumerate() {
-                leads[from * count + to] = is_free(request, *a, *b);
-            }
-        }
         let rest_um = corners.iter().map(|corner| last_um(request, *corner, goal_um)).collect();
-        let mut graph = Graph { count, leads, rest_um };
-        graph.settle(corners);
+        let mut graph = Graph { request, corners, tested: vec![None; corners.len() * corners.len()], rest_um };
+        graph.settle();
         graph
     }
 
     /// Whether the run from one corner to another is free.
-    pub(super) fn leads(&self, from: usize, to: usize) -> bool {
-        self.leads[from * self.count + to]
+    pub(super) fn leads(&mut self, from: usize, to: usize) -> bool {
+        let test = || is_free(self.request, self.corners[from], self.corners[to]);
+        *self.tested[from * self.corners.len() + to].get_or_insert_with(test)
     }
 
     /// The least length from a corner to the goal's turning centre.
@@ -44,16 +39,21 @@ impl Graph {
         self.rest_um[corner]
     }
 
-    /// Dijkstra's algorithm from the goal, in its dense form.
-    fn settle(&mut self, corners: &[[f64; 2]]) {
-        let mut open: Vec<usize> = (0..self.count).collect();
+    /// Dijkstra's algorithm from the goal, in its dense form. Edges are tested only where they would shorten the rest.
+    fn settle(&mut self) {
+        let mut open: Vec<usize> = (0..self.corners.len()).collect();
         while !open.is_empty() {
             let by_rest = |a: &usize, b: &usize| self.rest_um[open[*a]].total_cmp(&self.rest_um[open[*b]]);
             let Some(nearest) = (0..open.len()).min_by(by_rest) else { return };
             let to = open.swap_remove(nearest);
-            for &from in open.iter().filter(|from| self.leads[**from * self.count + to]) {
-                let rest_um = self.rest_um[to] + apart_um(corners[from], corners[to]);
-                self.rest_um[from] = self.rest_um[from].min(rest_um);
+            if self.rest_um[to].is_infinite() {
+                return;
+            }
+            for &from in &open {
+                let rest_um = self.rest_um[to] + apart_um(self.corners[from], self.corners[to]);
+                if rest_um < self.rest_um[from] && self.leads(from, to) {
+                    self.rest_um[from] = rest_um;
+                }
             }
         }
     }

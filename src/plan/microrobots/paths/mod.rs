@@ -54,7 +54,7 @@ struct PathSearchSettings {
 /// States whose headings differ by less than this coincide.
 const SAME_HEADING_RAD: f64 = TAU / 90.0;
 
-/// Pairs of corners that are examined for one step of the budget.
+/// Pairs of corners for one step of the budget; most of them need no test.
 const EDGES_A_STEP: u64 = 64;
 
 /// Most states of one search, open or closed.
@@ -180,7 +180,7 @@ const SHORTEST_UM: f64 = 0.5;
 struct CornerSearch<'a> {
     request: &'a PathRequest<'a>,
     corners: &'a [[f64; 2]],
-    graph: Graph,
+    graph: Graph<'a>,
     stage: PathSearchSettings,
     states: Vec<CornerState>,
     queue: BinaryHeap<Reverse<CornerEntry>>,
@@ -283,7 +283,9 @@ impl<'a> CornerSearch<'a> {
     fn expand(&mut self, index: u32) {
         let state = self.states[index as usize];
         for corner in 0..self.corners.len() {
-            if state.corner != START && !self.graph.leads(state.corner as usize, corner) {
+            let leads_on = self.graph.rest_um(corner).is_finite()
+                && (state.corner == START || self.graph.leads(state.corner as usize, corner));
+            if !leads_on {
                 continue;
             }
             let Some(leg) = self.request.leg_to(state.pose, self.corners[corner]) else { continue };
@@ -297,10 +299,10 @@ impl<'a> CornerSearch<'a> {
 
     fn push(&mut self, state: CornerState) {
         let corner = (state.corner != START).then_some(state.corner as usize);
-        let known_um = corner.map_or(0.0, |corner| self.graph.rest_um(corner));
-        if self.is_done(&state) || known_um.is_infinite() {
+        if self.is_done(&state) {
             return;
         }
+        let known_um = corner.map_or(0.0, |corner| self.graph.rest_um(corner));
         let turn_rad = free::turn_rad(self.request.facts(), state.pose.heading_rad, self.request.to.heading_rad);
         let known_um = known_um + turn_rad * self.request.facts().turning_radius_um;
         let rest_um = free::distance_um(self.request.facts(), state.pose, self.request.to);

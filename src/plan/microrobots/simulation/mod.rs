@@ -30,9 +30,8 @@ use crate::device::microrobots::Errors;
 use crate::plan::microrobots::control::{Command, Controller, Pilot};
 use crate::plan::microrobots::strategy::{StrategySolid, obstacles};
 use crate::plan::microrobots::{AssemblyStage, MicrorobotsMotion, MicrorobotsStepMotion};
+use crate::plan::parallel;
 use disturbances::DisturbedView;
-use std::panic::resume_unwind;
-use std::thread::ScopedJoinHandle;
 use trial::{Trial, TrialFailure, TrialStart};
 
 /// Most trials in one call.
@@ -102,28 +101,14 @@ pub fn simulate_disturbed(
 ) -> Option<SimulationReport> {
     let bed = SimulatedBed::new(order, motion, disturbances)?;
     let controller = Controller::new(order, motion)?;
-    let one = |index: u64| bed.trial(seed, index, &mut controller.clone());
-    Some(bed.report(&gathered(trials.min(MAX_TRIALS), threads.max(1) as u64, &one)))
+    let one = |index: usize| bed.trial(seed, index as u64, &mut controller.clone());
+    Some(bed.report(&parallel::in_order(trials.min(MAX_TRIALS) as usize, threads, one)))
 }
 
 /// The stages of a plan in which robots dock, in order of time.
 fn docking_stages(motion: &MicrorobotsMotion) -> Vec<&AssemblyStage> {
     let docks = |stage: &&AssemblyStage| matches!(stage, AssemblyStage::Pair { .. } | AssemblyStage::Single { .. });
     motion.steps.iter().flat_map(MicrorobotsStepMotion::stages).filter(docks).collect()
-}
-
-/// All trials in their order, run by several threads.
-fn gathered(trials: u64, threads: u64, one: &(impl Fn(u64) -> EndedTrial + Sync)) -> Vec<EndedTrial> {
-    let share = trials.div_ceil(threads);
-    std::thread::scope(|scope| {
-        let part = |thread: u64| (thread * share).min(trials)..((thread + 1) * share).min(trials);
-        let handles: Vec<_> = (0..threads)
-            .map(|thread| scope.spawn(move || part(thread).map(one).collect::<Vec<EndedTrial>>()))
-            .collect();
-        let ended =
-            |handle: ScopedJoinHandle<Vec<EndedTrial>>| handle.join().unwrap_or_else(|panic| resume_unwind(panic));
-        handles.into_iter().flat_map(ended).collect()
-    })
 }
 
 fn run(mut trial: Trial, mut view: DisturbedView, pilot: &mut impl Pilot) -> EndedTrial {

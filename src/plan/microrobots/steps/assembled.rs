@@ -24,7 +24,7 @@ use crate::plan::watch::IncumbentPlan;
 use crate::random::SplitMix64;
 
 /// Descents to initial legs of an assembly, and variations of the best of them that are planned.
-const DESCENTS: u64 = 8;
+const DESCENTS: usize = 8;
 const VARIATIONS: usize = 16;
 
 /// Reason why a step brings no robots together.
@@ -111,10 +111,8 @@ impl BedStepPlanner<'_> {
         docks: &[Dock],
         best: &mut Option<AssemblyCandidate>,
     ) {
-        for seed in 1..=DESCENTS {
-            if let Some(initial) = search.and_then(|search| search.descend(seed)) {
-                self.improve(initial, docks, meter, best);
-            }
+        for initial in search.map(|search| search.descents(DESCENTS)).unwrap_or_default() {
+            self.improve(initial, docks, meter, best);
         }
         let mut random = SplitMix64::new(BEST_SEED);
         for _ in 0..VARIATIONS {

@@ -15,7 +15,7 @@ use crate::claims::microrobots::Dock;
 use crate::plan::search::Meter;
 
 /// Descents to the legs after one docking; more of them hardly help.
-const DESCENTS: u64 = 2;
+const DESCENTS: usize = 2;
 
 /// An assembly up to one of its dockings, and the bed then.
 struct PartialAssembly {
@@ -34,8 +34,8 @@ impl BedStepPlanner<'_> {
             let before = part.legs.last().map(|leg| leg.state);
             let search = InitialLegSearch::new(self.order, self.roomy, self.world, &part.bed, &left, before);
             let Some(search) = search else { continue };
-            for seed in 1..=DESCENTS {
-                let other = search.descend(seed).and_then(|initial| self.continued(&part, initial, &left, meter));
+            for initial in search.descents(DESCENTS) {
+                let other = self.continued(&part, initial, &left, meter);
                 if let Some(other) = other.filter(|other| self.cost(other.legs()) < self.cost(motion.legs())) {
                     *motion = other;
                 }

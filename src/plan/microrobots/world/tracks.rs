@@ -53,7 +53,7 @@ impl RobotTrack {
             strokes,
             step_um: robot.step_um,
             speed_um,
-            centre_um: robot.orbit_centre_um(pose),
+            centre_um: robot.orbit_centre_facing_um(pose, [cos, sin]),
             reach_um: body.reach_um,
             axis: [cos, sin],
             curve_um: robot.turning.sign() * robot.turning_radius_um,
