@@ -87,7 +87,7 @@ pub fn most_reliable(order: &MicrorobotsOrder, start: &Crew, is_first: bool, fas
     if !can_fail || !assembles(order) {
         return fastest;
     }
-    let _held = IncumbentPlan::begin(|| format!("{:.1} s", fastest.motion.duration_ns(order) as f64 / 1e9));
+    let held = IncumbentPlan::begin(|| format!("{:.1} s", fastest.motion.duration_ns(order) as f64 / 1e9));
     let mut pool = PlanPool::new(order, start, is_first, fastest);
     pool.plan(&[(0, InitialLegChoice::None)]);
     pool.draw(0..ROOMS.len(), FIRST_DRAWS);
@@ -97,6 +97,10 @@ pub fn most_reliable(order: &MicrorobotsOrder, start: &Crew, is_first: bool, fas
         pool.draw(good, MORE_DRAWS);
         let (plan, failures) = pool.best();
         best = plan;
+        // A plan that is too long to be simulated keeps its duration.
+        if failures.is_finite() {
+            held.improve(|| format!("{} % of trials fail", digits((failures * 1e3).round() / 10.0)));
+        }
         if failures <= RARE_FAILURES || !watch::may_continue() {
             break;
         }
