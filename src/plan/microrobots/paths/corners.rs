@@ -6,13 +6,13 @@
 //! side. In addition: points on the first and the last heading, and a coarse lattice. A candidate is kept only if the
 //! robot can be there with some heading.
 
-use super::{PathRequest, SHORTEST_UM};
+use super::{PathRequest, SHORTEST_UM, TotallyOrdered};
 use crate::device::microrobots::Robot;
 use crate::geometry::{Core, Rounded};
 use crate::plan::microrobots::free::{self, CentredPose};
 use crate::plan::microrobots::world::{MARGIN_UM, OrbitDisc, OrientedRectangle};
 use crate::real::Real;
-use std::cmp::{Ordering, Reverse};
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::TAU;
 
@@ -49,14 +49,18 @@ impl OrderedCorners {
         along_headings(request, &mut found);
         lattice(request, &points, &mut found);
         let detour = CornerDetour::new(request);
-        let ranked = |at_um: [f64; 2]| Reverse(RankedCorner { cost_um: detour.cost_um(at_um), at_um });
+        let ranked = |corner: [f64; 2]| {
+            let cost_um = TotallyOrdered(detour.cost_um(corner));
+            Reverse(RankedCorner { cost_um, at_um: corner.map(TotallyOrdered) })
+        };
         OrderedCorners { left: found.into_iter().map(ranked).collect(), kept: Vec::new() }
     }
 
     /// The first `count` corners at which the robot can be; fewer if there are no more.
     pub(super) fn first(&mut self, request: &PathRequest, count: usize) -> &[[f64; 2]] {
         while self.kept.len() < count {
-            let Some(Reverse(RankedCorner { at_um: corner, .. })) = self.left.pop() else { break };
+            let Some(Reverse(RankedCorner { at_um, .. })) = self.left.pop() else { break };
+            let corner = at_um.map(|TotallyOrdered(coordinate_um)| coordinate_um);
             let far = |other: &[f64; 2]| (other[0] - corner[0]).hypotenuse(other[1] - corner[1]) > SAME_UM;
             if self.kept.iter().all(far) && is_usable(request, corner) {
                 self.kept.push(corner);
@@ -67,32 +71,11 @@ impl OrderedCorners {
 }
 
 /// A corner, ordered by its cost, then by its place.
-#[derive(Clone, Copy)]
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct RankedCorner {
-    cost_um: f64,
-    at_um: [f64; 2],
+    cost_um: TotallyOrdered,
+    at_um: [TotallyOrdered; 2],
 }
-
-impl Ord for RankedCorner {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let by_axis = |axis: usize| self.at_um[axis].total_cmp(&other.at_um[axis]);
-        self.cost_um.total_cmp(&other.cost_um).then_with(|| by_axis(0)).then_with(|| by_axis(1))
-    }
-}
-
-impl PartialOrd for RankedCorner {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for RankedCorner {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for RankedCorner {}
 
 /// Paths via a corner without obstacles: a turn and a run to the corner, then the free optimum.
 struct CornerDetour<'a> {

@@ -200,30 +200,35 @@ struct CornerState {
 /// Index of the start, which is not a corner.
 const START: u32 = u32::MAX;
 
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
 struct CornerEntry {
-    estimate_um: f64,
+    estimate_um: TotallyOrdered,
     state: u32,
 }
 
-impl Ord for CornerEntry {
+/// A number in the order of [`f64::total_cmp`].
+#[derive(Debug, Clone, Copy)]
+struct TotallyOrdered(f64);
+
+impl Ord for TotallyOrdered {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.estimate_um.total_cmp(&other.estimate_um).then(self.state.cmp(&other.state))
+        self.0.total_cmp(&other.0)
     }
 }
 
-impl PartialOrd for CornerEntry {
+impl PartialOrd for TotallyOrdered {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for CornerEntry {
+impl PartialEq for TotallyOrdered {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for CornerEntry {}
+impl Eq for TotallyOrdered {}
 
 impl<'a> CornerSearch<'a> {
     fn new(request: &'a PathRequest<'a>, corners: &'a [[f64; 2]], stage: PathSearchSettings) -> Self {
@@ -306,7 +311,7 @@ impl<'a> CornerSearch<'a> {
         let turn_rad = free::turn_rad(self.request.facts(), state.pose.heading_rad, self.request.to.heading_rad);
         let known_um = known_um + turn_rad * self.request.facts().turning_radius_um;
         let rest_um = free::distance_um(self.request.facts(), state.pose, self.request.to);
-        let estimate_um = state.cost_um + self.stage.weight * rest_um.max(known_um);
+        let estimate_um = TotallyOrdered(state.cost_um + self.stage.weight * rest_um.max(known_um));
         self.queue.push(Reverse(CornerEntry { estimate_um, state: self.states.len() as u32 }));
         self.states.push(state);
     }
