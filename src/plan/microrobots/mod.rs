@@ -20,6 +20,7 @@ pub mod initial_legs;
 mod job;
 pub mod paths;
 pub mod reliability;
+pub mod shooting;
 pub mod simulation;
 mod steps;
 pub mod strategy;

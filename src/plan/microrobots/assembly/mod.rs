@@ -22,7 +22,7 @@ mod single;
 mod track;
 
 use super::bound::together::{self, RobotArrival};
-use super::world::FirstCollision;
+use super::world::{BedPoses, FirstCollision};
 use super::{AssemblyStage, Leg, RobotDocking, legs_cost};
 use crate::claims::microrobots::{Dock, MicrorobotsOrder};
 use crate::device::microrobots::MicrorobotsObjective;
@@ -30,7 +30,11 @@ use crate::geometry::Pose;
 use crate::plan::search::Meter;
 use bed::{AssemblyState, StageAddition};
 use ground::AssemblyGround;
-use orders::{AssemblyMove, Orders};
+use orders::Orders;
+
+pub use orders::AssemblyMove;
+pub use pair::Roles;
+pub use track::miss;
 
 /// Most stages planned in total, over all orders tried.
 pub const MAX_PLANS: usize = 400;
@@ -149,7 +153,7 @@ pub fn assemble(
     terms: AssemblyTerms,
 ) -> Result<Assembled, StuckAssembly> {
     let bed = AssemblyState::new(order, poses, docked, state);
-    let orders = Orders { docks };
+    let orders = Orders { docks, others_orbit: true };
     if let Some(stuck) = orders.dead_end(&bed) {
         return Err(stuck);
     }
@@ -168,6 +172,45 @@ pub fn assemble(
         (None, Some((_, stuck))) => Err(stuck),
         (None, None) => Err(StuckAssembly::GaveUp),
     }
+}
+
+/// The first order of dockings that leads to the end, by the control states and the contacts of goals.
+pub fn docking_order(
+    order: &MicrorobotsOrder,
+    poses: &[Pose],
+    docked: &[bool],
+    docks: &[Dock],
+) -> Option<Vec<AssemblyMove>> {
+    let orders = Orders { docks, others_orbit: false };
+    let mut bed = AssemblyState::new(order, poses, docked, None);
+    let mut found = Vec::new();
+    while orders.open(&bed).next().is_some() {
+        let step = orders.moves(&bed).into_iter().find(|step| orders.leads_on(&bed, step))?;
+        orders.carry_out(&mut bed, &step);
+        found.push(step);
+    }
+    Some(found)
+}
+
+/// Whether the robots of an assembly that starts from `start` dock after these legs, and none of them earlier.
+pub fn docks_as_planned(
+    order: &MicrorobotsOrder,
+    start: &BedPoses,
+    docks: &[Dock],
+    legs: &[Leg],
+    planned: &[RobotDocking],
+) -> bool {
+    let mut bed = AssemblyState::new(order, &start.poses, &start.docked, None);
+    planned.chunk_by(|one, other| one.leg == other.leg).all(|docking| {
+        let legs = legs[bed.legs.len()..=docking[0].leg].to_vec();
+        let count = legs.len();
+        let docking = docking.iter().map(|dock| dock.robot).collect();
+        let stretch = StageAddition { legs, docking, stages: Vec::new() };
+        let Ok(stretch) = recognition::cut_at_docking(&bed, docks, stretch) else { return false };
+        let is_last = stretch.legs.len() == count;
+        bed = bed.after(stretch);
+        is_last
+    })
 }
 
 /// Lower bound on the duration of an assembly of these robots: all their paths at once, without obstacles.

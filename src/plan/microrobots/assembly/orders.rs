@@ -33,9 +33,21 @@ pub enum AssemblyMove {
     },
 }
 
+impl AssemblyMove {
+    /// The robots that dock.
+    pub fn robots(&self) -> Vec<usize> {
+        match self {
+            AssemblyMove::Pair(Roles { first, second, .. }) => vec![*first, *second],
+            AssemblyMove::Single { robot, .. } => vec![*robot],
+        }
+    }
+}
+
 /// The goals of an assembly.
 pub struct Orders<'a> {
     pub docks: &'a [Dock],
+    /// Whether robots that are neither docked nor steered orbit in place.
+    pub others_orbit: bool,
 }
 
 impl<'a> Orders<'a> {
@@ -69,7 +81,7 @@ impl<'a> Orders<'a> {
         let [Some(turn), Some(straight)] = states else {
             return Err(unsteerable(bed, &[dock.robot], &[&[Arm::Down], &[Arm::Up]]));
         };
-        goal_in_orbit(bed, &[dock])?;
+        self.keeps_orbits(bed, &[dock])?;
         Ok(AssemblyMove::Single { robot: dock.robot, states: [turn, straight] })
     }
 
@@ -84,8 +96,12 @@ impl<'a> Orders<'a> {
             let arms: [&[Arm]; 3] = [&[Arm::Down, Arm::Down], &[Arm::Up, Arm::Down], &[Arm::Up, Arm::Up]];
             return Err(unsteerable(bed, &robots, &arms));
         };
-        goal_in_orbit(bed, &[first, second])?;
+        self.keeps_orbits(bed, &[first, second])?;
         Ok(AssemblyMove::Pair(roles))
+    }
+
+    fn keeps_orbits(&self, bed: &AssemblyState, docks: &[&Dock]) -> Result<(), StuckAssembly> {
+        if self.others_orbit { goal_in_orbit(bed, docks) } else { Ok(()) }
     }
 
     /// Whether all goals remain reachable after this move, judged by control states and bodies at rest.
@@ -154,7 +170,7 @@ impl<'a> Orders<'a> {
     }
 
     /// Places robots at their goals.
-    fn carry_out(&self, bed: &mut AssemblyState, step: &AssemblyMove) {
+    pub fn carry_out(&self, bed: &mut AssemblyState, step: &AssemblyMove) {
         let mut put = |robot: usize| {
             bed.poses[robot] = self.dock(robot).goal.pose;
             bed.docked[robot] = true;

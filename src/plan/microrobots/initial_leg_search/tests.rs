@@ -1,7 +1,6 @@
 use super::super::assembly::{self, AssemblyTerms, CYCLES};
-use super::super::world::fixture::{bed, pose, robot};
+use super::super::world::fixture::{bed, dock, pose, robot};
 use super::*;
-use crate::claims::microrobots::MicrorobotsStop;
 use crate::plan::search::{Meter, SearchBudget};
 
 /// Two robots are docked, and two join them one after the other. Their phases are known, so on an empty bed the
@@ -9,12 +8,7 @@ use crate::plan::search::{Meter, SearchBudget};
 #[test]
 fn estimates_with_known_phases_are_met() {
     const GOALS: [[f64; 3]; 2] = [[-125.0, 155.0, -90.0], [125.0, -155.0, 90.0]];
-    let stop = |[x, y, heading]: [f64; 3]| MicrorobotsStop {
-        pose: pose(x, y, heading),
-        span: Default::default(),
-        origin: None,
-    };
-    let docks: Vec<Dock> = (0..2).map(|at| Dock { robot: 1 - at, goal: stop(GOALS[at]) }).collect();
+    let docks: Vec<Dock> = (0..2).map(|at| dock(1 - at, GOALS[at])).collect();
     let mut random = SplitMix64::new(3);
     let (mut planned, mut met) = (0, 0);
     for _ in 0..40 {

@@ -1,5 +1,5 @@
 //! A step that assembles: the best of the assemblies with and without initial legs, improved after each docking
-//! (`regrouped`).
+//! (`regrouped`) and, without errors, by moving all robots at the same time (`shooting`).
 //!
 //! If time or control cycles are minimised, assemblies are planned without fine motions, and the two robots that meet
 //! first move at once: such legs are the best that the script of a generator can play. The closed loop, which carries a
@@ -12,6 +12,7 @@ use super::super::assembly::{
 };
 use super::super::initial_leg_search::InitialLegSearch;
 use super::super::initial_legs::{InitialLegs, RandomInitialLegs};
+use super::super::shooting::ShootingSearch;
 use super::super::world::{BedPoses, FirstCollision};
 use super::super::{AssemblyStage, Leg, MicrorobotsStepMotion};
 use super::proofs::ProofEffort;
@@ -72,8 +73,11 @@ impl BedStepPlanner<'_> {
         if !is_in_vain && self.initial_legs != InitialLegChoice::None {
             self.try_initial_legs(search.as_ref(), meter, docks, &mut best);
             // The closed loop cannot correct legs of the whole bed, so with errors they cost more success than time.
-            if let Some(best) = best.as_mut().filter(|_| !self.has_errors()) {
-                self.regroup(&mut best.motion, docks, meter);
+            if !self.has_errors() {
+                if let Some(best) = best.as_mut() {
+                    self.regroup(&mut best.motion, docks, meter);
+                }
+                self.shoot(docks, &mut best);
             }
         }
         if let (None, Err(none)) = (&best, &direct) {
@@ -100,6 +104,20 @@ impl BedStepPlanner<'_> {
             MicrorobotsObjective::Time if self.has_errors() => DIRECT_PAIR,
             MicrorobotsObjective::Time | MicrorobotsObjective::Switches => DIRECT,
             MicrorobotsObjective::Failures => CYCLES,
+        }
+    }
+
+    /// Replaces the best assembly by one in which all robots move at the same time, if that is faster.
+    fn shoot(&self, docks: &[Dock], best: &mut Option<AssemblyCandidate>) {
+        match self.order.objective {
+            MicrorobotsObjective::Time | MicrorobotsObjective::Failures => {}
+            MicrorobotsObjective::Switches => return,
+        }
+        let known = best.as_ref().map(|best| &best.motion);
+        let search = ShootingSearch::new(self.order, self.world, self.bed, docks, known);
+        let Some(motion) = search.and_then(|search| search.fastest()) else { return };
+        if best.as_ref().is_none_or(|best| self.cost(motion.legs()) < self.cost(best.motion.legs())) {
+            *best = Some(AssemblyCandidate { motion, is_steered: true, initial: None });
         }
     }
 

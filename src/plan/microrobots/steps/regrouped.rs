@@ -83,50 +83,21 @@ impl BedStepPlanner<'_> {
 mod tests {
     use super::super::super::assembly::{self, AssemblyTerms, DIRECT};
     use super::super::super::world::CollisionWorld;
-    use super::super::super::world::fixture::{bed, pose, robot};
+    use super::super::super::world::fixture;
     use super::super::InitialLegChoice;
     use super::*;
-    use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsStep, MicrorobotsStop};
+    use crate::claims::microrobots::{MicrorobotsAction, MicrorobotsStep};
     use crate::geometry::Pose;
     use crate::plan::search::SearchBudget;
     use crate::random::SplitMix64;
 
-    /// Goals of five robots, the one that snaps last first: two head on, the others at their sides.
-    const SEATS: [[f64; 3]; 5] =
-        [[-125.0, 0.0, 0.0], [125.0, 0.0, 180.0], [-125.0, 155.0, -90.0], [125.0, -155.0, 90.0], [125.0, 155.0, -90.0]];
-
-    fn docks() -> Vec<Dock> {
-        let stop = |[x, y, heading]: [f64; 3]| MicrorobotsStop {
-            pose: pose(x, y, heading),
-            span: Default::default(),
-            origin: None,
-        };
-        SEATS.iter().enumerate().map(|(seat, goal)| Dock { robot: 4 - seat, goal: stop(*goal) }).collect()
-    }
-
-    /// Random starts around the structure, far enough from it and from one another to orbit.
-    fn starts(random: &mut SplitMix64) -> Vec<Pose> {
-        let mut starts: Vec<Pose> = Vec::new();
-        while starts.len() < SEATS.len() {
-            let [x, y] = [0, 1].map(|_| 2_500.0 * random.signed_unit());
-            let is_apart = |other: &Pose| (other.x_um - x).abs().max((other.y_um - y).abs()) > 900.0;
-            if x.abs().max(y.abs()) > 900.0 && starts.iter().all(is_apart) {
-                starts.push(pose(x, y, 180.0 * random.signed_unit()));
-            }
-        }
-        starts
-    }
-
     /// An assembly becomes no worse, keeps the collision rules and brings every robot to its goal. Many become better.
     #[test]
     fn regrouped_assemblies_are_shorter_and_arrive() {
-        let docks = docks();
         let mut random = SplitMix64::new(5);
         let (mut planned, mut shorter) = (0, 0);
         for _ in 0..12 {
-            let label = |index: usize| format!("D{}", index + 1);
-            let placed = |(index, pose): (usize, Pose)| (robot(&label(index), 150.0 + 4.0 * index as f64, 0.015), pose);
-            let order = bed(starts(&mut random).into_iter().enumerate().map(placed).collect(), Vec::new());
+            let (order, docks) = fixture::assembly(5, &mut random);
             let world = CollisionWorld::new(&order);
             let poses: Vec<Pose> = order.robots.iter().map(|placed| placed.pose).collect();
             let start = BedPoses::new(poses.clone(), vec![false; poses.len()]);

@@ -1,11 +1,12 @@
 //! Beds for tests.
 
 use crate::claims::fixture::bed_order;
-use crate::claims::microrobots::{MicrorobotsObstacle, MicrorobotsOrder, Precision};
+use crate::claims::microrobots::{Dock, MicrorobotsObstacle, MicrorobotsOrder, MicrorobotsStop, Precision};
 use crate::device::microrobots::Robot;
 use crate::device::microrobots::fixture::{facts, string_states};
 pub use crate::device::microrobots::fixture::{pose, robot};
 use crate::geometry::{Pose, Shape};
+use crate::random::SplitMix64;
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -24,4 +25,31 @@ pub fn bed(robots: Vec<(Robot, Pose)>, obstacles: Vec<MicrorobotsObstacle>) -> M
         precision: Precision { place_um: 0.5, heading_rad: 0.5_f64.to_radians() },
         ..bed_order(facts(robots), states, poses.into_iter().enumerate())
     }
+}
+
+/// Goals, that of the robot that snaps last first: two head on, the others at their sides.
+const SEATS: [[f64; 3]; 5] =
+    [[-125.0, 0.0, 0.0], [125.0, 0.0, 180.0], [-125.0, 155.0, -90.0], [125.0, -155.0, 90.0], [125.0, 155.0, -90.0]];
+
+/// A goal of a robot.
+pub fn dock(robot: usize, [x_um, y_um, heading_deg]: [f64; 3]) -> Dock {
+    let goal = MicrorobotsStop { pose: pose(x_um, y_um, heading_deg), span: Span::default(), origin: None };
+    Dock { robot, goal }
+}
+
+/// An assembly of up to five robots. Their random starts surround the structure, far enough from it and from one another
+/// to orbit.
+pub fn assembly(count: usize, random: &mut SplitMix64) -> (MicrorobotsOrder, Vec<Dock>) {
+    let mut starts: Vec<Pose> = Vec::new();
+    while starts.len() < count {
+        let [x, y] = [0, 1].map(|_| 2_500.0 * random.signed_unit());
+        let is_apart = |other: &Pose| (other.x_um - x).abs().max((other.y_um - y).abs()) > 900.0;
+        if x.abs().max(y.abs()) > 900.0 && starts.iter().all(is_apart) {
+            starts.push(pose(x, y, 180.0 * random.signed_unit()));
+        }
+    }
+    let label = |index: usize| format!("D{}", index + 1);
+    let placed = |(index, pose): (usize, Pose)| (robot(&label(index), 150.0 + 4.0 * index as f64, 0.015), pose);
+    let docks = SEATS[..count].iter().enumerate().map(|(seat, goal)| dock(count - 1 - seat, *goal));
+    (bed(starts.into_iter().enumerate().map(placed).collect(), Vec::new()), docks.collect())
 }
