@@ -3,10 +3,10 @@
 //! Problem: an assembly that steers one robot after the other lets those that wait drive full circles. Method: a
 //! sequence of control states is given, with the leg after which each robot docks; what is unknown are the lengths of
 //! the legs. The goals are three equations for each robot, and more legs than equations leave a choice, of which the
-//! shortest is taken ([`lengths`]). Sequences are drawn at random or taken from a known plan, and changed at random
-//! ([`sequence`]); a change is kept if it does not worsen the duration by more than a shrinking random threshold
-//! (threshold accepting). Sequences that meet something are kept, too, at a price that falls with the time until then,
-//! so that a descent may begin in the midst of collisions. Descents that do badly end early (successive halving).
+//! shortest is taken (`lengths`). Sequences are drawn at random or taken from a known plan, and changed at random
+//! (`sequence`); a change is kept if it does not worsen the duration by more than a shrinking random threshold
+//! (threshold accepting). Sequences that meet something are kept, too, at a price for each leg that does, so that a
+//! descent may begin in the midst of collisions. Descents that do badly end early (successive halving).
 //! Guaranteed: a plan keeps the collision rules, every robot docks where it should, and the same request gives the same
 //! plan. Not guaranteed: that one is found, or that it is the fastest. The closed loop cannot carry such a plan out:
 //! it is for devices without errors. Cost: for each round a solution (hundreds of microseconds) and, unless it is too
@@ -35,27 +35,24 @@ struct ShootingStage {
     descents: usize,
     /// Rounds of each of them.
     rounds: usize,
-    /// Price of a collision at any time.
+    /// Price of each leg that meets something.
     collision_ns: f64,
 }
 
 const STAGES: [ShootingStage; 3] = [
-    ShootingStage { descents: 16, rounds: 500, collision_ns: 0.0 },
+    ShootingStage { descents: 16, rounds: 500, collision_ns: 1.5e9 },
     ShootingStage { descents: 4, rounds: 1_500, collision_ns: 4e9 },
     ShootingStage { descents: 2, rounds: 3_000, collision_ns: 10e9 },
 ];
 
-/// A round costs this many of an order's expansions.
-const ROUND_EXPANSIONS: u64 = 8;
+/// A round costs an expansion for this many legs × robots², the effort of its solution.
+const EFFORT_OF_EXPANSION: usize = 200;
 
 /// Sequences drawn at the beginning of a descent; the best of them is changed.
 const DRAWS: usize = 20;
 
 /// Greatest duration by which a change may worsen a plan, at the beginning of a stage.
 const HEAT_NS: f64 = 4e9;
-
-/// Additional price of a collision at the very beginning; it falls to 0 towards the end of the plan.
-const EARLY_COLLISION_NS: f64 = 10e9;
 
 /// First rough solution, and the greatest miss with which it is worth going on.
 const ROUGH: SolverTerms = SolverTerms { weight: 0.1, steps: 25, least_gain: 1e-2 };
@@ -100,6 +97,11 @@ impl<'a> ShootingRequest<'a> {
         let circle_um = circles.fold(0.0, f64::max);
         ShootingRequest { order, world, bed, docks, goals, step_um, circle_um }
     }
+
+    /// Number of robots that have goals.
+    fn robots(&self) -> usize {
+        self.goals.iter().flatten().count()
+    }
 }
 
 /// Search for an assembly in which all robots move at the same time.
@@ -117,15 +119,14 @@ struct ShotPlan {
     legs: Vec<Leg>,
     docks: Vec<RobotDocking>,
     time_ns: f64,
-    /// Share of the plan that is over at its first collision, if there is one.
-    free_share: Option<f64>,
+    /// Number of legs that meet something.
+    collisions: usize,
 }
 
 impl ShotPlan {
-    /// Duration, and the price of its collision.
+    /// Duration, and the price of its collisions.
     fn cost_ns(&self, collision_ns: f64) -> f64 {
-        let price_ns = |share: f64| collision_ns + EARLY_COLLISION_NS * (1.0 - share);
-        self.time_ns + self.free_share.map_or(0.0, price_ns)
+        self.time_ns + collision_ns * self.collisions as f64
     }
 }
 
@@ -182,7 +183,7 @@ impl<'a> ShootingSearch<'a> {
     fn beginning(&self, seed: usize) -> ShootingDescent {
         let known = self.known.as_ref().filter(|_| seed.is_multiple_of(2));
         let now = known.and_then(|known| self.judged(known.clone(), f64::INFINITY, 0.0));
-        let best = now.clone().filter(|plan| plan.free_share.is_none());
+        let best = now.clone().filter(|plan| plan.collisions == 0);
         ShootingDescent { random: SplitMix64::stream(seed as u64, self.segments.len() as u64), now, best }
     }
 
@@ -196,19 +197,19 @@ impl<'a> ShootingSearch<'a> {
             if meter.step().is_none() {
                 break;
             }
-            meter.charge(ROUND_EXPANSIONS - 1);
             let random = &mut descent.random;
             let sequence = match &descent.now {
                 Some(now) if draws == 0 => now.sequence.varied(&self.segments, self.request.circle_um, random),
                 Some(_) | None => LegSequence::drawn(&self.segments, random),
             };
+            meter.charge((sequence.legs.len() * self.request.robots().pow(2) / EFFORT_OF_EXPANSION) as u64);
             draws = draws.saturating_sub(1);
             let cooled = 1.0 - round as f64 / rounds as f64;
             let allowed_ns = HEAT_NS * cooled * cooled * random.unit();
             let limit_ns = descent.now.as_ref().map_or(f64::INFINITY, |now| now.cost_ns(collision_ns) + allowed_ns);
             let Some(plan) = self.solved(sequence, limit_ns, collision_ns) else { continue };
             let is_best = || descent.best.as_ref().is_none_or(|best| plan.time_ns < best.time_ns);
-            if plan.free_share.is_none() && is_best() {
+            if plan.collisions == 0 && is_best() {
                 descent.best = Some(plan.clone());
             }
             descent.now = Some(plan);
@@ -251,10 +252,8 @@ impl<'a> ShootingSearch<'a> {
         if time_ns >= limit_ns || !arrives() {
             return None;
         }
-        let strokes = |legs: &[Leg]| legs.iter().map(|leg| leg.strokes as f64).sum::<f64>();
-        let hit = bed.first_collision(world, &legs, &docks);
-        let free_share = hit.map(|hit| (strokes(&legs[..hit.leg]) + hit.strokes) / strokes(&legs));
-        let plan = ShotPlan { sequence, legs, docks, time_ns, free_share };
+        let collisions = bed.colliding_legs(world, &legs, &docks);
+        let plan = ShotPlan { sequence, legs, docks, time_ns, collisions };
         (plan.cost_ns(collision_ns) < limit_ns).then_some(plan)
     }
 

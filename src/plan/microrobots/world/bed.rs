@@ -42,11 +42,21 @@ impl BedPoses {
         if past == 0 {
             return world.first_collision(&self.poses, &self.docked, legs, docks);
         }
-        let all: Vec<Leg> = self.legs.iter().chain(legs).copied().collect();
-        let later = docks.iter().map(|dock| RobotDocking { leg: dock.leg + past, ..*dock });
-        let docks: Vec<RobotDocking> = self.docks.iter().copied().chain(later).collect();
+        let (all, docks) = self.with_recorded(legs, docks);
         let hit = world.first_collision(&self.before.0, &self.before.1, &all, &docks);
         hit.map(|hit| FirstCollision { leg: hit.leg.saturating_sub(past), ..hit })
+    }
+
+    /// Number of legs that violate the collision rules, among the recorded and the coming ones.
+    pub fn colliding_legs(&self, world: &CollisionWorld, legs: &[Leg], docks: &[RobotDocking]) -> usize {
+        let (all, docks) = self.with_recorded(legs, docks);
+        world.colliding_legs(&self.before.0, &self.before.1, &all, &docks)
+    }
+
+    /// The recorded legs and dockings, then the given ones.
+    fn with_recorded(&self, legs: &[Leg], docks: &[RobotDocking]) -> (Vec<Leg>, Vec<RobotDocking>) {
+        let later = docks.iter().map(|dock| RobotDocking { leg: dock.leg + self.legs.len(), ..*dock });
+        (self.legs.iter().chain(legs).copied().collect(), self.docks.iter().copied().chain(later).collect())
     }
 
     /// Advances through legs.

@@ -208,6 +208,12 @@ impl CollisionWorld {
         let mut course = LegCursor::new(self, start, docked, legs, docks);
         (0..legs.len()).find_map(|leg| course.follow(leg))
     }
+
+    /// Number of legs that violate the collision rules; turns before them do not count.
+    pub fn colliding_legs(&self, start: &[Pose], docked: &[bool], legs: &[Leg], docks: &[RobotDocking]) -> usize {
+        let mut course = LegCursor::new(self, start, docked, legs, docks);
+        (0..legs.len()).filter(|leg| course.follow(*leg).is_some()).count()
+    }
 }
 
 impl WorldObstacle {
