@@ -175,14 +175,9 @@ pub fn assemble(
 }
 
 /// The first order of dockings that leads to the end, by the control states and the contacts of goals.
-pub fn docking_order(
-    order: &MicrorobotsOrder,
-    poses: &[Pose],
-    docked: &[bool],
-    docks: &[Dock],
-) -> Option<Vec<AssemblyMove>> {
+pub fn docking_order(order: &MicrorobotsOrder, start: &BedPoses, docks: &[Dock]) -> Option<Vec<AssemblyMove>> {
     let orders = Orders { docks, others_orbit: false };
-    let mut bed = AssemblyState::new(order, poses, docked, None);
+    let mut bed = AssemblyState::new(order, &start.poses, &start.docked, None);
     let mut found = Vec::new();
     while orders.open(&bed).next().is_some() {
         let step = orders.moves(&bed).into_iter().find(|step| orders.leads_on(&bed, step))?;
@@ -192,25 +187,29 @@ pub fn docking_order(
     Some(found)
 }
 
-/// Whether the robots of an assembly that starts from `start` dock after these legs, and none of them earlier.
-pub fn docks_as_planned(
+/// Poses of the robots after the dockings of an assembly that starts from `start`; `None` if they do not dock after
+/// these legs, or one of them earlier.
+pub fn docked_poses(
     order: &MicrorobotsOrder,
     start: &BedPoses,
     docks: &[Dock],
     legs: &[Leg],
     planned: &[RobotDocking],
-) -> bool {
+) -> Option<Vec<Pose>> {
     let mut bed = AssemblyState::new(order, &start.poses, &start.docked, None);
-    planned.chunk_by(|one, other| one.leg == other.leg).all(|docking| {
-        let legs = legs[bed.legs.len()..=docking[0].leg].to_vec();
-        let count = legs.len();
-        let docking = docking.iter().map(|dock| dock.robot).collect();
-        let stretch = StageAddition { legs, docking, stages: Vec::new() };
-        let Ok(stretch) = recognition::cut_at_docking(&bed, docks, stretch) else { return false };
-        let is_last = stretch.legs.len() == count;
-        bed = bed.after(stretch);
-        is_last
-    })
+    for docking in planned.chunk_by(|one, other| one.leg == other.leg) {
+        let end = docking[0].leg + 1;
+        let stretch = StageAddition {
+            legs: legs[bed.legs.len()..end].to_vec(),
+            docking: docking.iter().map(|dock| dock.robot).collect(),
+            stages: Vec::new(),
+        };
+        bed = bed.after(recognition::cut_at_docking(&bed, docks, stretch).ok()?);
+        if bed.legs.len() < end {
+            return None;
+        }
+    }
+    Some(bed.poses)
 }
 
 /// Lower bound on the duration of an assembly of these robots: all their paths at once, without obstacles.

@@ -3,11 +3,12 @@
 use super::track::{ArmTrack, TrackAim};
 use super::*;
 use crate::claims::fixture::bed_order;
-use crate::claims::microrobots::{MicrorobotsObstacle, MicrorobotsStop, Precision};
+use crate::claims::microrobots::{MicrorobotsObstacle, Precision};
 use crate::device::microrobots::fixture::{self, pose};
 use crate::device::microrobots::{Arm, ControlState, Docking as Limits, MicrorobotsFacts, Robot, Turning, wrapped_rad};
 use crate::geometry::Shape;
 use crate::plan::microrobots::world::CollisionWorld;
+use crate::plan::microrobots::world::fixture::dock;
 use crate::plan::search::SearchBudget;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
@@ -74,10 +75,6 @@ fn order(starts: &[Pose], states: Vec<ControlState>, obstacles: Vec<MicrorobotsO
         precision: Precision { place_um: 0.5, heading_rad: 0.5_f64.to_radians() },
         ..bed_order(facts(starts.len()), states, starts.iter().copied().enumerate())
     }
-}
-
-fn dock(robot: usize, pose: Pose) -> Dock {
-    Dock { robot, goal: MicrorobotsStop { pose, span: Default::default(), origin: None } }
 }
 
 /// A structure of `count` robots about a place: the last two head on, the others to their sides.

@@ -7,8 +7,7 @@ use crate::plan::search::{Meter, SearchBudget};
 /// estimate is the number of strokes of the plan, unless a path is led round something, or runs straight at first.
 #[test]
 fn estimates_with_known_phases_are_met() {
-    const GOALS: [[f64; 3]; 2] = [[-125.0, 155.0, -90.0], [125.0, -155.0, 90.0]];
-    let docks: Vec<Dock> = (0..2).map(|at| dock(1 - at, GOALS[at])).collect();
+    let docks = [dock(1, pose(-125.0, 155.0, -90.0)), dock(0, pose(125.0, -155.0, 90.0))];
     let mut random = SplitMix64::new(3);
     let (mut planned, mut met) = (0, 0);
     for _ in 0..40 {

@@ -141,7 +141,7 @@ struct ShootingDescent {
 
 impl<'a> ShootingSearch<'a> {
     /// Search for the assembly of robots with these goals; every second descent begins with a known plan, if there is
-    /// one. `None` if no order of dockings leads to the end.
+    /// one. `None` if no order of dockings leads to the end, or there is nothing to dock.
     pub fn new(
         order: &'a MicrorobotsOrder,
         world: &'a CollisionWorld,
@@ -152,7 +152,7 @@ impl<'a> ShootingSearch<'a> {
         let request = ShootingRequest::new(order, world, bed, docks);
         let dockings = match known {
             Some(known) => known.stages().iter().filter_map(docking_of).collect(),
-            None => assembly::docking_order(order, &bed.poses, &bed.docked, docks)?,
+            None => assembly::docking_order(order, bed, docks)?,
         };
         let robots: Vec<Vec<usize>> = dockings.iter().map(AssemblyMove::robots).collect();
         let segments = ShotSegment::all(world, &bed.docked, &robots)?;
@@ -168,7 +168,13 @@ impl<'a> ShootingSearch<'a> {
 
     /// The fastest plan found.
     pub fn fastest(&self) -> Option<MicrorobotsStepMotion> {
-        let mut descents: Vec<ShootingDescent> = (0..STAGES[0].descents).map(|seed| self.beginning(seed)).collect();
+        let known = self.known.as_ref().and_then(|known| self.judged(known.clone(), f64::INFINITY, 0.0));
+        let beginning = |seed: usize| ShootingDescent {
+            random: SplitMix64::stream(seed as u64, self.segments.len() as u64),
+            now: known.clone().filter(|_| seed.is_multiple_of(2)),
+            best: known.clone().filter(|known| seed.is_multiple_of(2) && known.collisions == 0),
+        };
+        let mut descents: Vec<ShootingDescent> = (0..STAGES[0].descents).map(beginning).collect();
         for stage in STAGES {
             let cost_ns = |descent: &ShootingDescent| descent.cost_ns(stage.collision_ns);
             descents.sort_by(|one, other| cost_ns(one).total_cmp(&cost_ns(other)));
@@ -178,13 +184,6 @@ impl<'a> ShootingSearch<'a> {
         }
         let plans = descents.into_iter().filter_map(|descent| descent.best);
         plans.min_by(|one, other| one.time_ns.total_cmp(&other.time_ns)).map(|plan| self.motion(plan))
-    }
-
-    fn beginning(&self, seed: usize) -> ShootingDescent {
-        let known = self.known.as_ref().filter(|_| seed.is_multiple_of(2));
-        let now = known.and_then(|known| self.judged(known.clone(), f64::INFINITY, 0.0));
-        let best = now.clone().filter(|plan| plan.collisions == 0);
-        ShootingDescent { random: SplitMix64::stream(seed as u64, self.segments.len() as u64), now, best }
     }
 
     /// A descent after a stage.
@@ -222,13 +221,12 @@ impl<'a> ShootingSearch<'a> {
     fn solved(&self, mut sequence: LegSequence, limit_ns: f64, collision_ns: f64) -> Option<ShotPlan> {
         sequence.tidy(&self.segments);
         let lengths = sequence.lengths(&self.request, &self.segments);
-        let mut roots: Vec<f64> = sequence.legs.iter().map(|leg| leg.root).collect();
+        let mut roots = sequence.roots();
         if lengths.solve(&mut roots, ROUGH) > ROUGH_MISS_UM {
             return None;
         }
-        sequence.legs.iter_mut().zip(&roots).for_each(|(leg, root)| leg.root = *root);
-        let length_um: f64 = sequence.legs.iter().map(|leg| leg.length_um()).sum();
-        let strokes = length_um / self.request.step_um;
+        sequence.set_roots(&roots);
+        let strokes = sequence.length_um() / self.request.step_um;
         if strokes * self.request.order.facts.period_ns as f64 > limit_ns * ROUGH_EXCESS {
             return None;
         }
@@ -236,7 +234,7 @@ impl<'a> ShootingSearch<'a> {
         if lengths.solve(&mut roots, EXACT) > EXACT_MISS_UM {
             return None;
         }
-        sequence.legs.iter_mut().zip(&roots).for_each(|(leg, root)| leg.root = *root);
+        sequence.set_roots(&roots);
         self.judged(sequence, limit_ns, collision_ns)
     }
 
@@ -245,27 +243,17 @@ impl<'a> ShootingSearch<'a> {
         let ShootingRequest { order, world, bed, docks: goals, step_um, .. } = self.request;
         let (legs, docks) = sequence.in_strokes(&self.segments, step_um)?;
         let time_ns = legs_ns(order, &legs) as f64;
-        let arrives = || {
-            self.greatest_miss(&legs, &docks) <= NEAR_SHARE
-                && assembly::docks_as_planned(order, bed, goals, &legs, &docks)
-        };
-        if time_ns >= limit_ns || !arrives() {
+        if time_ns >= limit_ns {
+            return None;
+        }
+        let ends = assembly::docked_poses(order, bed, goals, &legs, &docks)?;
+        let miss = |dock: &Dock| assembly::miss(order.precision, ends[dock.robot], dock.goal.pose);
+        if goals.iter().any(|dock| !bed.docked[dock.robot] && miss(dock) > NEAR_SHARE) {
             return None;
         }
         let collisions = bed.colliding_legs(world, &legs, &docks);
         let plan = ShotPlan { sequence, legs, docks, time_ns, collisions };
         (plan.cost_ns(collision_ns) < limit_ns).then_some(plan)
-    }
-
-    /// The greatest distance of a robot from its goal, as a share of the precision.
-    fn greatest_miss(&self, legs: &[Leg], docks: &[RobotDocking]) -> f64 {
-        let ShootingRequest { order, bed, .. } = self.request;
-        let miss = |dock: &RobotDocking| {
-            let way = poses_of(order, dock.robot, bed.poses[dock.robot], &legs[..=dock.leg]);
-            let (end, goal) = (way.last().copied(), self.request.goals[dock.robot]);
-            end.zip(goal).map_or(0.0, |(end, goal)| assembly::miss(order.precision, end, goal))
-        };
-        docks.iter().map(miss).fold(0.0, f64::max)
     }
 
     fn motion(&self, plan: ShotPlan) -> MicrorobotsStepMotion {

@@ -126,6 +126,20 @@ impl LegSequence {
         LegSequence { legs, ends }
     }
 
+    /// Length of all legs.
+    pub fn length_um(&self) -> f64 {
+        self.legs.iter().map(ShotLeg::length_um).sum()
+    }
+
+    /// The roots of the lengths, as the solver needs them.
+    pub fn roots(&self) -> Vec<f64> {
+        self.legs.iter().map(|leg| leg.root).collect()
+    }
+
+    pub fn set_roots(&mut self, roots: &[f64]) {
+        self.legs.iter_mut().zip(roots).for_each(|(leg, root)| leg.root = *root);
+    }
+
     /// A sequence with a few random changes; `circle_um` is the length of a full circle.
     pub fn varied(&self, segments: &[ShotSegment], circle_um: f64, random: &mut SplitMix64) -> LegSequence {
         let mut varied = self.clone();
@@ -210,17 +224,17 @@ impl LegSequence {
         let (mut legs, mut docks): (Vec<Leg>, Vec<RobotDocking>) = (Vec::new(), Vec::new());
         let mut begin = 0;
         for (segment, end) in segments.iter().zip(&self.ends) {
-            let (first, mut is_first) = (legs.len(), true);
+            let first = legs.len();
             for leg in &self.legs[begin..*end] {
                 let strokes = (leg.length_um() / step_um).round() as u64;
+                let has_begun = legs.len() > first;
                 match legs.last_mut() {
                     _ if strokes == 0 => {}
                     Some(last) if last.state != leg.state => legs.push(Leg { state: leg.state, strokes }),
-                    Some(last) if !is_first => last.strokes += strokes,
+                    Some(last) if has_begun => last.strokes += strokes,
                     Some(_) => return None,
                     None => legs.push(Leg { state: leg.state, strokes }),
                 }
-                is_first = legs.len() == first;
             }
             let leg = legs.len().checked_sub(1).filter(|leg| *leg >= first)?;
             docks.extend(segment.docking.iter().map(|&robot| RobotDocking { robot, leg }));

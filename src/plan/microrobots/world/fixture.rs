@@ -32,9 +32,8 @@ const SEATS: [[f64; 3]; 5] =
     [[-125.0, 0.0, 0.0], [125.0, 0.0, 180.0], [-125.0, 155.0, -90.0], [125.0, -155.0, 90.0], [125.0, 155.0, -90.0]];
 
 /// A goal of a robot.
-pub fn dock(robot: usize, [x_um, y_um, heading_deg]: [f64; 3]) -> Dock {
-    let goal = MicrorobotsStop { pose: pose(x_um, y_um, heading_deg), span: Span::default(), origin: None };
-    Dock { robot, goal }
+pub fn dock(robot: usize, pose: Pose) -> Dock {
+    Dock { robot, goal: MicrorobotsStop { pose, span: Span::default(), origin: None } }
 }
 
 /// An assembly of up to five robots. Their random starts surround the structure, far enough from it and from one another
@@ -50,6 +49,7 @@ pub fn assembly(count: usize, random: &mut SplitMix64) -> (MicrorobotsOrder, Vec
     }
     let label = |index: usize| format!("D{}", index + 1);
     let placed = |(index, pose): (usize, Pose)| (robot(&label(index), 150.0 + 4.0 * index as f64, 0.015), pose);
-    let docks = SEATS[..count].iter().enumerate().map(|(seat, goal)| dock(count - 1 - seat, *goal));
+    let seated = |(seat, [x, y, heading]): (usize, &[f64; 3])| dock(count - 1 - seat, pose(*x, *y, *heading));
+    let docks = SEATS[..count].iter().enumerate().map(seated);
     (bed(starts.into_iter().enumerate().map(placed).collect(), Vec::new()), docks.collect())
 }
